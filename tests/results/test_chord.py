@@ -1,4 +1,4 @@
-"""Sag of lines with inner supports and saddles is that of their spans: m g L^2/8T of a shallow parabola."""
+"""Sag of lines: over inner supports and saddles that of their spans, m g L^2/8T of a shallow parabola; at loads."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ropewalk.model import Scenario
-from ropewalk.results import summary
+from ropewalk.results import summary, tables
 from ropewalk.simulate import simulate
 
 MASS, TENSION, SPAN, HIGH = 2.0, 50e3, 100.0, 8.0
@@ -38,3 +38,19 @@ def test_the_sag_over_a_tower_is_that_of_the_span(supported: dict[str, Any], rad
     # The line is 0.5 % longer than its spans, and as much tauter than the force at its end.
     assert found["value"] == pytest.approx(exact, rel=0.015)
     assert abs(abs(found["x"] - SPAN) - 0.5 * SPAN) < 6.0
+
+
+@pytest.mark.parametrize("wind", [None, {"direction": [1, 0], "speed": 0.0}], ids=["chain", "system"])
+def test_a_line_is_deepest_at_its_load(wind: dict[str, Any] | None) -> None:
+    """a(L - a)/L times P/T below the chord, between nodes: those beside it are a part of it higher."""
+    line = {"start": [0, 0], "end": [10, 0], "mass": 1e-6, "tension": 1e4, "axial_stiffness": 1e8, "elements": 10}
+    load = {"kind": "force", "on": "wire", "force": [0, -50.0], "travel": {"from": 4.5, "speed": 0.0}}
+    tree: dict[str, Any] = {"lines": {"wire": line}, "loads": {"weight": load}, "run": {"kind": "equilibrium"}}
+    if wind:
+        tree["wind"], line["wind_drag"] = wind, 1e-30
+    result = simulate(Scenario.model_validate(tree))
+    found = summary(result)["largest_sag"]
+    tension = float(result.contact_tension.values.mean())  # the load stretches the line
+    assert found["value"] == pytest.approx(50.0 * 4.5 * 5.5 / 10.0 / tension, rel=1e-3)
+    assert found["x"] == pytest.approx(4.5, abs=1e-3)
+    assert float(tables(result)["series"]["wire.largest_sag [m]"].iloc[0]) == found["value"]

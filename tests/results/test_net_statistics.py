@@ -10,6 +10,7 @@ import spatial_cases as cases
 
 from ropewalk.results import html_report, statistics, summary, text
 from ropewalk.results.net_statistics import depth_below
+from ropewalk.results.sag import sideways
 
 
 def plate(heights, pulls, shift=None):
@@ -107,8 +108,8 @@ def test_sag_and_way_sideways_do_not_depend_on_the_direction_of_the_span(angle):
     assert found["largest_sag"]["time"] == 1.5
     assert found["largest_sideways"]["value"] == pytest.approx(0.8)
     assert found["largest_sideways"]["xi"] == 15.0
-    assert statistics.sideways(whirl, "string")[0, 15] == pytest.approx(0.8)  # to the left at first
-    assert statistics.sideways(whirl, "string")[10, 15] == pytest.approx(-0.8)
+    assert sideways(whirl, "string").value[0, 15] == pytest.approx(0.8)  # to the left at first
+    assert sideways(whirl, "string").value[10, 15] == pytest.approx(-0.8)
 
 
 def test_the_way_sideways_of_a_hanging_line_is_its_distance_from_the_plumb_line():

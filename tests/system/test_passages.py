@@ -12,6 +12,7 @@ import pytest
 
 from held_strings import Array, HeldString, MovingLoad, Station, crossed
 from motion_cases import order
+from ropewalk.results.frame import ENERGY_FORMS
 from ropewalk.theory import string
 from system_cases import frames_of, imbalance, scenario
 
@@ -124,3 +125,35 @@ def test_wheels_that_come_onto_the_links_of_others_keep_the_audit() -> None:
     frames = frames_of(scenario({"r": ROPE | {"elements": 40}}, loads, 1.0, 0.1, gravity=9.81))
     print("audit", imbalance(frames))
     assert imbalance(frames) < 2e-3
+
+
+def test_the_second_of_two_masses_comes_to_a_line_that_moves() -> None:
+    """At an end a line gives way by nothing; put down by what its kink gives way by, a mass is thrown up by that."""
+    behind, m, off = 9.0, 10.0, []
+    wheels = {"a": {"coordinate": "first"}, "b": {"coordinate": "second", "at": -behind / (1.0 + STRAIN)}}
+    load = {"kind": "matrices", "mass": [[m, 0], [0, m]], "stiffness": [[0, 0], [0, 0]], "wheels": wheels, "on": "s",
+            "coordinates": ["first", "second"], "weight": [m * WEIGHT, m * WEIGHT],
+            "travel": {"speed": 0.4 * 100.0, "at_end": "leave"}}  # fmt: skip
+    until = 0.47
+    times, own = np.linspace(0.0, until, 95), HeldString(20.0, 1e4, 1.0 / (1.0 + STRAIN), Station(10.0))
+    both = [MovingLoad(enters, m * WEIGHT, m) for enters in (0.0, behind / (1.0 + STRAIN) / 40.0)]
+    _, below = crossed(own, 40.0 * (1.0 + STRAIN), times, *both)
+    for elements in (50, 100):
+        frames = frames_of(scenario({"s": STRING | {"elements": elements}}, {"p": load}, until, until), times)
+        found = np.array([frame.contact_position[1, -1] for frame in frames])
+        off.append(float(np.nanmax(np.abs(found + below[1]))) / (m * WEIGHT * 20.0 / 1e4))
+    print(off)
+    assert off[0] < 5e-4  # 2.7e-3 where it is put down by its kink
+    assert off[1] < 0.5 * off[0]  # the first order at least: where in a step it comes decides
+
+
+def test_a_load_that_was_stopped_is_not_stopped_again_by_an_output() -> None:
+    rope = {"start": [0, 0], "end": [20, 1], "length": 20.4, "mass": 1.0, "axial_stiffness": 1e5, "elements": 20}
+    travel = {"kind": "free", "speed": 12.0, "from": 14.0, "at_end": "stay"}
+    load = {"kind": "mass", "mass": 20.0, "on": "r", "travel": travel}
+    run = {"kind": "dynamic", "until": 0.7, "every": 0.7, "step": 5e-4}
+    asked = scenario({"r": rope}, {"p": load}, 0.7, 0.7, gravity=9.81, run=run)
+    few, many = (frames_of(asked, np.linspace(0.0, 0.7, count)) for count in (2, 1401))
+    lost = [frames[-1].energy[ENERGY_FORMS.index("contact_dissipation")] for frames in (few, many)]
+    assert lost[0] > 100.0
+    assert lost[1] == pytest.approx(lost[0], rel=1e-9)

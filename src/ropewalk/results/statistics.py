@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.results.audit import AUDIT, turnover
-from ropewalk.results.chord import chord_height
 from ropewalk.results.contact_summary import contact_summary
 from ropewalk.results.contract import doubts_of, path_name
 from ropewalk.results.exchanges import exchange_summary
@@ -23,6 +22,7 @@ from ropewalk.results.payload_statistics import payload_summary
 from ropewalk.results.peaks import impulses
 from ropewalk.results.people import crowd_summary
 from ropewalk.results.ropeway import ropeway_summary
+from ropewalk.results.sag import Distances, sag, sideways
 from ropewalk.results.strength import strength_summary
 from ropewalk.results.trains import train_summary
 
@@ -142,61 +142,6 @@ def blocks(dataset: xr.Dataset) -> Iterator[xr.Dataset]:
         yield dataset.isel({name: slice(first, first + rows)})
 
 
-def sag(dataset: xr.Dataset, line: str) -> Array:
-    """Depth of a line below the straight chord between its ends, or from each of its inner supports to the next, in m.
-
-    Args:
-        dataset: a result.
-        line: name of the line.
-
-    Returns:
-        Array (frame, node of the line), positive below the chord; NaN where the chord is vertical.
-    """
-    place = dataset["position"].isel(node=np.flatnonzero(dataset["line"].values == line)).values
-    away = place - place[:, :1]
-    run, along = _onward(away)
-    rise, z = away[:, -1:, -1], place[..., -1]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        slope = np.where(run > 1e-9 * np.hypot(run, rise), rise / run, np.nan)
-    height = chord_height(dataset, line, place, along)
-    depth: Array = (z[:, :1] + slope * along if height is None else np.where(np.isfinite(slope), height, np.nan)) - z
-    return depth
-
-
-def sideways(dataset: xr.Dataset, line: str) -> Array:
-    """Level distance of a line from the upright plane through its ends, in m.
-
-    Args:
-        dataset: a result with an axis y.
-        line: name of the line.
-
-    Returns:
-        Array (frame, node of the line), positive to the left of the way from start to end; where the chord is
-        vertical, the level distance from it.
-    """
-    place = dataset["position"].isel(node=np.flatnonzero(dataset["line"].values == line)).values
-    away = place - place[:, :1]
-    run, _ = _onward(away)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        left = (away[:, -1:, 0] * away[..., 1] - away[:, -1:, 1] * away[..., 0]) / run
-    upright = run <= 1e-9 * np.abs(away[:, -1:]).max(axis=2)
-    aside: Array = np.where(upright, np.hypot(away[..., 0], away[..., 1]), left)
-    return aside
-
-
-def _aside(dataset: xr.Dataset, line: str) -> Array:
-    return np.abs(sideways(dataset, line))
-
-
-def _onward(away: Array) -> tuple[Array, Array]:
-    """Level length of a chord (frame, 1) and the way of every node along it (frame, node), m."""
-    chord = away[:, -1:, :-1]
-    run = np.linalg.norm(chord, axis=2)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        along = (away[..., :-1] * (chord / run[..., None])).sum(axis=2)
-    return run, along
-
-
 def lines(dataset: xr.Dataset) -> list[str]:
     """Names of the lines, in the order of the result; the nodes of nets make no line."""
     nets = net_names(dataset)
@@ -241,27 +186,31 @@ def _middle(dataset: xr.Dataset, frame: int, link: int) -> Summary:
     }
 
 
-def _furthest(dataset: xr.Dataset, away: Callable[[xr.Dataset, str], Array]) -> Summary | None:
+def _furthest(dataset: xr.Dataset, away: Callable[[xr.Dataset, str], Distances]) -> Summary | None:
     """Where and when a line is furthest away from its chord, as measured by `away`."""
     best: Summary | None = None
     for block in blocks(dataset):
         for line in lines(dataset):
-            distance = away(block, line)
-            if not np.isfinite(distance).any():
+            found = away(block, line)
+            if not np.isfinite(found.value).any():
                 continue
-            frame, place = np.unravel_index(int(np.nanargmax(distance)), distance.shape)
-            if best is None or distance[frame, place] > best["value"]:
-                node = np.flatnonzero(dataset["line"].values == line)[place]
+            at = np.unravel_index(int(np.nanargmax(found.value)), found.value.shape)
+            if best is None or found.value[at] > best["value"]:
                 level = dataset["axis"].values.tolist()[:-1]
                 best = {
-                    "value": distance[frame, place],
+                    "value": found.value[at],
                     "unit": "m",
                     "line": line,
-                    "xi": dataset["xi"].values[node],
-                    **{axis: block["position"].sel(axis=axis).values[frame, node] for axis in level},
-                    path_name(dataset): block[path_name(block)].values[frame],
+                    "xi": found.xi[at],
+                    **dict(zip(level, found.place[at][:-1].tolist(), strict=True)),
+                    path_name(dataset): block[path_name(block)].values[at[0]],
                 }
     return best
+
+
+def _aside(dataset: xr.Dataset, line: str) -> Distances:
+    found = sideways(dataset, line)
+    return found._replace(value=np.abs(found.value))
 
 
 def _range(values: Array) -> Summary:

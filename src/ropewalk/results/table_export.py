@@ -15,7 +15,8 @@ from ropewalk.results.display_units import DisplayUnits
 from ropewalk.results.files import ResultError
 from ropewalk.results.frame import Array
 from ropewalk.results.line_response import histories
-from ropewalk.results.statistics import blocks, lines, sag, summary
+from ropewalk.results.sag import sag
+from ropewalk.results.statistics import blocks, lines, summary
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -249,7 +250,7 @@ def _of_lines(dataset: xr.Dataset) -> Iterator[tuple[str, Array]]:
             values, unit = dataset[quantity].values[:, here], dataset[quantity].attrs["units"]
             yield f"{line}.largest_{quantity} [{unit}]", values.max(axis=1)
             yield f"{line}.smallest_{quantity} [{unit}]", values.min(axis=1)
-        yield f"{line}.largest_sag [m]", sag(dataset, line).max(axis=1)
+        yield f"{line}.largest_sag [m]", np.fmax.reduce(sag(dataset, line).value, axis=1)
 
 
 def _of_points(dataset: xr.Dataset) -> Iterator[tuple[str, Array]]:

@@ -32,6 +32,8 @@ _AGAIN = 8
 
 # Part of a link before and behind a contact between which its profile bends.
 BENDS = 1e-3
+# Part of a link from an end within which a kink is softer than the line is.
+SOFT = 0.25
 
 # A load: some of its contacts are still to come or on their lines; all have left them since the step before; for good.
 STAYS, LEAVES, GONE_FOR_GOOD = 0, 1, 2
@@ -348,7 +350,9 @@ def arrive(structure, buffers, contacts, bodies, state, table, out):
 def _bear(structure, buffers, contacts, bodies, state, table, out, k):
     """Let the line bear at once, by its kink, what the ground has borne of the mass at contact k; the kink's energy, J.
 
-    N = weight and springs above - m r'' U^2. Without it the mass would fall into its contact, and ring there.
+    N = weight and springs above - m r'' U^2. Without it a light mass would fall into its contact, and ring there. At an
+    end a line gives way by nothing, and a kink by a quarter of what it does within the run: what a heavy mass, which
+    is past that before it swings, were to be put down by, it would be too deep, and be thrown up by the kink.
     """
     top, line, h = contacts[k].first + state.r.shape[0] - 1, contacts[k].line, structure.runs.h[contacts[k].run]
     N = bodies.force[top] + contacts[k].given[state.r.shape[0] - 1]
@@ -363,19 +367,21 @@ def _bear(structure, buffers, contacts, bodies, state, table, out, k):
         ahead = height_at(structure.lines.profiles, line, state.s[k] + step)[1]
         behind = height_at(structure.lines.profiles, line, state.s[k] - step)[1]
         N -= (ahead - behind) / (2.0 * step) * contacts[k].speed ** 2 / bodies.per_mass[top]
-    z, lowered = state.r.shape[0] - 1, 0.0
+    z, lowered, borne = state.r.shape[0] - 1, 0.0, 0.0
     for _ in range(_AGAIN):  # a kink is the stiffer, the more it tightens its links
         stiffen(structure, buffers, contacts, state, table, out, k)
         S = contacts[k].moving
         if S <= 0.0 or contacts[k].apart == 1:
             return 0.0
-        lowered = 0.0
+        past = SOFT * h / max(abs(contacts[k].speed), 1e-300)  # s, until it is where lines give way
+        swings = (S * bodies.per_mass[top] * past**2) ** 2
+        borne = N * (swings / (1.0 + swings) if swings < 1e12 else 1.0)
         for a in range(z + 1):
             along = contacts[k].tangent[a] * contacts[k].tangent[z] if contacts[k].axial_stiffness > 0.0 else 0.0
-            lowered = N / S * ((1.0 if a == z else 0.0) - along)
-            lowered += N * along / max(firmness_along(contacts, k), 1e-300)
+            lowered = borne / S * ((1.0 if a == z else 0.0) - along)
+            lowered += borne * along / max(firmness_along(contacts, k), 1e-300)
             state.u[contacts[k].first + a] = contacts[k].p[a] + lowered
-    return 0.5 * N * lowered
+    return 0.5 * borne * lowered
 
 
 @lean_inner

@@ -16,6 +16,7 @@ from ropewalk.results.audit import Audit, energies
 from ropewalk.results.frame import IN_AIR, MOVES, STICKS, Contacts, Layout
 from ropewalk.results.frames import Frames, summed
 from ropewalk.system.assembled import Assembled
+from ropewalk.system.beyond_kinks import beyond_kinks
 from ropewalk.system.bodies import BodyArrays
 from ropewalk.system.contacts import FORCE, ON, PRESCRIBED
 from ropewalk.system.hold_forces import FrictionDemand, beside
@@ -167,11 +168,13 @@ class FrameBuilder:
             still: of a rest, its load path in m.
         """
         tension = self._axial_force(at)
-        seen = self._contacts(at, tension)
+        reading = beyond_kinks(at.contacts, tension, self.assembled.structure)
+        seen = self._contacts(at, tension, reading.of(tension))
         places, velocities = self._displayed_bodies(at)
         of = {
             "position": at.r[:, :, self.node].swapaxes(1, 2), "velocity": at.v[:, :, self.node].swapaxes(1, 2),
-            "tension": tension[:, self.link], "strain": self._strains(at), **seen.fields(),
+            "tension": reading.of(tension)[:, self.link], "strain": reading.of(self._strains(at))[:, self.link],
+            **seen.fields(),
             "body_position": places, "body_velocity": velocities, "reaction": self._reactions(at),
             **self._of_ties(at, seen, still=still is not None), **self._cell_tensions(at),
             "energy": self._energy(at, still=still is not None),
@@ -190,7 +193,7 @@ class FrameBuilder:
         if self.assembled.stretch is not None:
             for first, n, e0 in zip(runs.first, runs.links, self.assembled.stretch, strict=True):
                 strain[:, first : first + n] = e0 + (1.0 + e0) * strain[:, first : first + n]
-        return np.asarray(strain[:, self.link])
+        return strain
 
     def _reactions(self, at: SystemNote) -> Array:
         """Forces of supports on lines, and of edges on nets, (instant, support, axis) N."""
@@ -244,8 +247,14 @@ class FrameBuilder:
             out[:, first : first + n] += 0.5 * (square[:, 1:] + square[:, :-1])
         return out
 
-    def _contacts(self, at: SystemNote, tension: Array) -> Contacts:
-        """What is told of contacts: those on their lines, one after the other, are looked at together."""
+    def _contacts(self, at: SystemNote, tension: Array, beyond: Array) -> Contacts:
+        """What is told of contacts: those on their lines, one after the other, are looked at together.
+
+        Args:
+            at: what is noted.
+            tension: of links by their first node, (instant, node) N, as friction sees it.
+            beyond: as read beyond the kinks.
+        """
         runs, dim = self.assembled.structure.runs, at.r.shape[1]
         seen = Contacts(*at.contacts.shape, dim)
         on = at.contacts["state"] == ON
@@ -259,13 +268,15 @@ class FrameBuilder:
         way = own["along"][gripped, :dim]
         way = way / np.linalg.norm(way, axis=1)[:, None]
         hold[gripped] = (force[gripped] * way).sum(axis=1)[:, None] * way  # what the line is gripped with
-        both = beside(own, runs, tension.ravel(), instant * tension.shape[1])
+        begin = instant * tension.shape[1]
+        both = beside(own, runs, tension.ravel(), begin)
         hold += own["hauled"][:, :dim]
         seen.position[on], seen.force[on], seen.hold[on] = own["place"][:, :dim], force, hold
         seen.friction[on] = FrictionDemand.of(own, self.assembled.structure, s, both, dim).needed(own)
         seen.xi[on], seen.speed[on], seen.in_air[on] = s, own["measured"], own["flown"]
         seen.state[on] = np.where(own["apart"] != 0, IN_AIR, np.where(own["speed"] != 0.0, MOVES, STICKS))
-        seen.tension[on] = np.where(runs.firm[run][:, None] > 0.0, np.nan, both)
+        told = beside(own, runs, beyond.ravel(), begin)
+        seen.tension[on] = np.where(runs.firm[run][:, None] > 0.0, np.nan, told)
         return seen
 
     def _displayed_bodies(self, at: SystemNote) -> tuple[Array, Array]:

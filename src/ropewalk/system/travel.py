@@ -107,7 +107,7 @@ def locate(structure, buffers, contacts, tables, state, table, out, since):
             if contacts[k].been == 1 and contacts[k].restrained == 0:
                 contacts[k].stopped, contacts[k].overrun = U, s - end
             contacts[k].restrained, contacts[k].speed, s = 1, 0.0, end
-        else:
+        elif since > 0.0:  # else it is where it was, and still stopped
             contacts[k].restrained = 0
         state.s[k] = s
         contacts[k].state = ON if low <= s <= high else AWAY

@@ -1,0 +1,112 @@
+"""How far lines are from their chords: sag below them, and what they are to the side of them."""
+
+from __future__ import annotations
+
+import json
+from functools import lru_cache
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ropewalk.results.chord import chord_height
+from ropewalk.results.frame import IN_AIR, Array
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+class Distances(NamedTuple):
+    """How far points of a line are from its chord."""
+
+    value: Array  # (frame, point) m, NaN where there is none
+    xi: Array  # (frame, point) m, where they are along the line
+    place: Array  # (frame, point, axis) m
+
+
+def sag(dataset: xr.Dataset, line: str) -> Distances:
+    """Depth of a line below the straight chord between its ends, or from each of its inner supports to the next, in m.
+
+    At its nodes, and where loads touch it: there it is bent, and may be deepest.
+
+    Args:
+        dataset: a result.
+        line: name of the line.
+
+    Returns:
+        Of nodes, then of contacts; positive below the chord, NaN where the chord is vertical.
+    """
+    place, xi = _nodes(dataset, line)
+    away = place - place[:, :1]
+    run, along = _onward(away, away)
+    rise, z = away[:, -1:, -1], place[..., -1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slope = np.where(run > 1e-9 * np.hypot(run, rise), rise / run, np.nan)
+    height = chord_height(dataset, line, place, along)
+    spots, at = _contacts(dataset, line)
+    _, there = _onward(spots - place[:, :1], away)
+    there = np.where((there >= 0.0) & (there <= run), there, np.nan)  # beyond its ends it is on another line
+    if height is None:
+        chord, below = z[:, :1] + slope * along, z[:, :1] + slope * there
+    else:
+        chord = np.where(np.isfinite(slope), height, np.nan)
+        below = np.reshape([np.interp(x, u, h) for x, u, h in zip(there, along, chord, strict=True)], there.shape)
+    depth = np.concatenate([chord - z, below - spots[..., -1]], axis=1)
+    return Distances(depth, np.concatenate([xi, at], axis=1), np.concatenate([place, spots], axis=1))
+
+
+def sideways(dataset: xr.Dataset, line: str) -> Distances:
+    """Level distance of the nodes of a line from the upright plane through its ends, in m.
+
+    Args:
+        dataset: a result with an axis y.
+        line: name of the line.
+
+    Returns:
+        Positive to the left of the way from start to end; where the chord is vertical, the level distance from it.
+    """
+    place, xi = _nodes(dataset, line)
+    away = place - place[:, :1]
+    run, _ = _onward(away, away)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        left = (away[:, -1:, 0] * away[..., 1] - away[:, -1:, 1] * away[..., 0]) / run
+    upright = run <= 1e-9 * np.abs(away[:, -1:]).max(axis=2)
+    return Distances(np.where(upright, np.hypot(away[..., 0], away[..., 1]), left), xi, place)
+
+
+def _nodes(dataset: xr.Dataset, line: str) -> tuple[Array, Array]:
+    """Places of the nodes of a line (frame, node, axis), and their xi (frame, node), m."""
+    own = np.flatnonzero(dataset["line"].values == line)
+    place = dataset["position"].isel(node=own).values
+    return place, np.broadcast_to(dataset["xi"].values[own], place.shape[:2])
+
+
+def _contacts(dataset: xr.Dataset, line: str) -> tuple[Array, Array]:
+    """Places of the contacts of a line, and their xi, m; NaN where they do not touch it."""
+    on = _lines_of_loads(str(dataset.attrs.get("scenario", "")))
+    own = [k for k, load in enumerate(dataset["load"].values.tolist()) if on.get(load.partition(".")[0]) == line]
+    touch = dataset["contact_state"].values[:, own] > IN_AIR
+    place, xi = dataset["contact_position"].values[:, own], dataset["contact_xi"].values[:, own]
+    return np.where(touch[..., None], place, np.nan), np.where(touch, xi, np.nan)
+
+
+@lru_cache(maxsize=4)
+def _lines_of_loads(text: str) -> dict[str, str]:
+    """The line of each load; of those on several, none."""
+    try:
+        return {name: load["on"] for name, load in json.loads(text)["loads"].items() if isinstance(load["on"], str)}
+    except (ValueError, KeyError, TypeError):
+        return {}
+
+
+def _onward(away: Array, of_line: Array) -> tuple[Array, Array]:
+    """Level length of a chord (frame, 1) and the way of points along it (frame, point), m, from the start of the line.
+
+    Args:
+        away: of the points from the start, (frame, point, axis) m.
+        of_line: the same of the nodes of the line.
+    """
+    chord = of_line[:, -1:, :-1]
+    run = np.linalg.norm(chord, axis=2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        along = (away[..., :-1] * (chord / run[..., None])).sum(axis=2)
+    return run, along
