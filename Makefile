@@ -14,7 +14,7 @@ FIND_PYTHON = for p in python3 python3.11 python3.12 python3.13; do \
 	done
 PYTHON ?= $(shell $(FIND_PYTHON))
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
-INSTALL = $(PIP) install $(if $(CONSTRAINTS),-c $(CONSTRAINTS))
+INSTALL = $(PIP) install $(PIPFLAGS) $(if $(CONSTRAINTS),-c $(CONSTRAINTS))
 # Kernels that most tests share are compiled before, side by side; what is left, once per worker. A file stays with one
 # worker, so that little is done twice, in the order of tests/conftest.py.
 TESTFLAGS ?= -n 2 --dist loadfile --no-loadscope-reorder

@@ -10,6 +10,10 @@ from hypothesis import settings
 LONG = ("test_kills.py", "test_bounds.py", "test_pages.py", "test_cluster.py", "test_full_disk.py", "test_site.py")
 """Files of few tests that take long: begun last, they would leave one worker alone."""
 
+# Before NumPy is there, and for all processes that tests begin: with a thread for each core, two workers on two cores
+# spend 1.6 times the CPU on small matrices, waiting. As on another machine (tests/elsewhere.py) there are more.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 # The same examples in every run, so that a green tree stays green; HYPOTHESIS_PROFILE=default looks for new ones.
 settings.register_profile("repeatable", derandomize=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))

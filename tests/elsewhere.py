@@ -4,8 +4,9 @@ Where rounding decides, it decides otherwise there. What is pretended: an older 
 sum in another order; a generic one for Numba, without wide vectors and fused operations; NumPy without the loops that
 it has for this processor; the C library's functions without fused operations. What is set already stays, so that
 `OPENBLAS_CORETYPE=Nehalem make test-elsewhere` is a third machine. Names that a machine does not know are not used, or
-mean nothing to it. Kernels that are kept for this machine are not compiled anew for the other: the same code before all
-that knows a processor is optimised and made machine code for that one (mechanics/kernel_parts.py).
+mean nothing to it. OpenBLAS has two threads, which divide what it sums. Kernels that are kept for this machine are not
+compiled anew for the other: the same code before all that knows a processor is optimised and made machine code for that
+one (mechanics/kernel_parts.py).
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ import numpy as np
 def elsewhere() -> dict[str, str]:
     """Environment variables with which this machine computes like another."""
     found: list[str] = np.show_config(mode="dicts").get("SIMD Extensions", {}).get("found", [])  # type: ignore[union-attr]
-    other = {"NUMBA_CPU_NAME": "generic", "NPY_DISABLE_CPU_FEATURES": " ".join(found)}
+    other = {"NUMBA_CPU_NAME": "generic", "NPY_DISABLE_CPU_FEATURES": " ".join(found), "OPENBLAS_NUM_THREADS": "2"}
     machine = platform.machine().lower()
     if machine in ("x86_64", "amd64"):
         wide = any("512" in name or name == "X86_V4" for name in found)

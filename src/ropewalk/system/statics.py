@@ -22,8 +22,9 @@ from ropewalk.system.cables import add_internal_forces, energy_of, stretch_all
 from ropewalk.system.compliance import ARC, PART, SHORT_ARC, SMOOTH, compliances
 from ropewalk.system.contact_point import locate_point
 from ropewalk.system.contacts import BODY, ON, add_contact_forces, bend
+from ropewalk.system.link_forms import LinkForms
 from ropewalk.system.loaded_structure import LoadedStructure
-from ropewalk.system.products import Products, scaled
+from ropewalk.system.products import scaled
 from ropewalk.system.saddles import add_saddle_forces, stored_in_saddles
 from ropewalk.system.sheaves import SLIPS, add_sheave_forces, pass_nodes_entry, slip, stored_at, stretch_over
 from ropewalk.system.sheaves_at_rest import (
@@ -125,18 +126,17 @@ class SystemPotential:
         if structure.surfaces is not None:  # whose ways are where they are
             moves[structure.surfaces.node] = False
         whole = np.flatnonzero(np.concatenate([moves & structure.on_runs, *([moves] * (self.axes - 1))]))
-        columns = [(np.array([i]), np.ones(1)) for i in whole]
+        columns = [(whole, np.arange(whole.size), np.ones(whole.size))]
+        count = whole.size
         for e in range(restrained.mass.size):
             nodes = restrained.members(e)
             values, ways = np.linalg.eigh(restrained.free[e])
             for way in ways.T[values > 0.5]:
                 at = (nodes[None, :] + n * np.arange(self.axes)[:, None]).ravel()
-                columns.append((at, np.repeat(way, nodes.size)))
-        row, column, value = (
-            np.concatenate(parts)
-            for parts in zip(*((at, np.full(at.size, j), v) for j, (at, v) in enumerate(columns)), strict=True)
-        )
-        self._nodes_free = sparse.csc_matrix((value, (row, column)), shape=(self.axes * n, len(columns)))
+                columns.append((at, np.full(at.size, count), np.repeat(way, nodes.size)))
+                count += 1
+        row, column, value = (np.concatenate(parts) for parts in zip(*columns, strict=True))
+        self._nodes_free = sparse.csc_matrix((value, (row, column)), shape=(self.axes * n, count))
         if structure.surfaces is not None:
             laid = sparse.block_diag([structure.surfaces.shares(n)] * self.axes)
             self._nodes_free = (self._nodes_free + laid @ self._nodes_free).tocsc()
@@ -145,49 +145,13 @@ class SystemPotential:
 
     def _divide(self) -> None:
         """Take note of which nodes are those of which run."""
-        runs = self.structure.runs
-        self._one, self._two, self._weight = self._operators()
-        self._arcs = np.ones(self.structure.nodes.mass.size)  # of links
-        for first, links, arcs in zip(runs.first, runs.links, runs.arcs, strict=True):
-            self._arcs[first : first + links] = arcs
-        self._three = self._one @ self._two  # links are between second differences as between nodes
-        self._find_patterns()
-
-    def _find_patterns(self) -> None:
-        """Where the stiffness across the links and the change of their lengths have entries, and of what these are."""
-        n, axes, none = self._arcs.size, range(self.axes), sparse.csr_matrix((0, self.loaded.weight.size))
-        forms = sparse.vstack([self._one, self._two, self._three])
-        all_forms = sparse.block_diag([*(forms for _ in axes), none], format="csr")
-        bed = sparse.eye(n, all_forms.shape[1], n * (self.axes - 1))  # of places along the last axis
-        across = sparse.vstack([all_forms, bed])
-        self._across = Products(across.T, across)
-        pair, arcs = sparse.diags([np.ones(n), np.ones(n - 1)], [0, 1]), sparse.diags(2.0 * self._arcs)
-        links = sparse.hstack([sparse.identity(n), ARC * arcs @ pair, SHORT_ARC * arcs])
-        self._lengthened = Products(sparse.hstack([links for _ in axes]), all_forms)
+        self._forms = LinkForms.of(self.structure, self.axes, self.loaded.weight.size)
 
     def arrange(self) -> None:
         """Take note of what stands where."""
         bodies = sparse.identity(self.loaded.weight.size, format="csc")[:, self.loaded.moves]
         self.free = sparse.block_diag([self._nodes_free, bodies], format="csc")
         self._ways = self._beside_lines()
-
-    def _operators(self) -> tuple[sparse.csr_matrix, sparse.csr_matrix, Array]:
-        """Links and second differences (node, node), and weights of the bending energy of these."""
-        runs, n = self.structure.runs, self.structure.nodes.mass.size
-        one, two = (sparse.lil_matrix((n, n)) for _ in range(2))
-        weight = np.ones(n)
-        for s, (first, links, clamped) in enumerate(zip(runs.first, runs.links, runs.clamped, strict=True)):
-            for i in range(first, first + links):
-                one[i, i], one[i, i + 1] = -1.0, 1.0
-            if not runs.arcs[s] and runs.bending[s] == 0.0 and self.structure.segments is None:  # straight links
-                continue
-            for i in range(first + 1, first + links):
-                two[i, i - 1], two[i, i], two[i, i + 1] = 1.0, -2.0, 1.0
-            for side, (e, i) in enumerate(((first, first + 1), (first + links, first + links - 1))):
-                weight[e] = 0.5
-                if clamped[side]:
-                    two[e, e], two[e, i] = -2.0, 2.0
-        return one.tocsr(), two.tocsr(), weight
 
     def put(self, shape: Array) -> tuple[Array, Array]:
         """Put everything into a shape; gives places of the nodes (axis, node) and coordinates of loads."""
@@ -274,11 +238,11 @@ class SystemPotential:
         length[~is_link] = 1.0
         q = tension / length
         rise = (slope / h - q) / length**2  # change of T/l with l^2/2
-        arced = q * self._arcs
+        arced = q * self._forms.arcs
         arcs = 2.0 * ARC * (arced + np.concatenate([[0.0], arced[:-1]]))
-        by_forms = [q, arcs + EI * self._weight, SMOOTH * smooth + 2.0 * SHORT_ARC * arced]
+        by_forms = [q, arcs + EI * self._forms.weight, SMOOTH * smooth + 2.0 * SHORT_ARC * arced]
         rows = self.rows(r)
-        K = self._across.of(np.concatenate([*(by_forms * axes), bed])) + rows.T @ scaled(rows, rise)
+        K = self._forms.across.of(np.concatenate([*(by_forms * axes), bed])) + rows.T @ scaled(rows, rise)
         K = K + self._kinks(rows, rise) + self._of_groups("stiffness", r, u.size) + self._of_restraints("stiffness")
         if u.size:
             K = K + sparse.block_diag([sparse.csr_matrix((r.size, r.size)), self.loaded.stiffness(u)])
@@ -314,8 +278,9 @@ class SystemPotential:
         D = self.buffers.bent
         if self.structure.is_linearised:
             r, D = self.structure.about.shape
-        by_axis = [c for a in range(self.axes) for c in (self._one @ r[a], D[a], self._one @ D[a])]
-        return self._lengthened.of(np.concatenate(by_axis))
+        one = self._forms.one
+        by_axis = [c for a in range(self.axes) for c in (one @ r[a], D[a], one @ D[a])]
+        return self._forms.lengthened.of(np.concatenate(by_axis))
 
     def _beside_lines(self) -> sparse.csr_matrix:
         """Change of where contacts on their lines are beside these, m, and of the derivatives of their splines by s.
@@ -324,6 +289,8 @@ class SystemPotential:
         """
         loaded, axes, n = self.loaded, self.axes, self.structure.nodes.mass.size
         on, count = loaded.on, loaded.on.size * self.axes
+        if not count:
+            return sparse.csr_matrix((0, axes * n + loaded.weight.size))
         nodes = [sparse.block_diag([part[on]] * axes) for part in (-loaded.shares(n), loaded.slopes(n))]
         at = (loaded.contacts["first"][on] + np.arange(axes)[:, None]).ravel()
         own = sparse.csr_matrix((np.ones(count), (np.arange(count), at)), shape=(2 * count, loaded.weight.size))
@@ -438,8 +405,9 @@ class SystemPotential:
 
     def _around_contacts(self, count: int) -> sparse.csc_matrix:
         """Which places may feel which under contacts that have no kinks yet, (place, place)."""
-        links, pair = abs(self.borne()), sparse.diags([1.0, 1.0], [0, 1], shape=self._one.shape)
-        nodes = links @ (abs(self._one) + pair @ abs(self._two) + abs(self._three))
+        forms = self._forms
+        links, pair = abs(self.borne()), sparse.diags([1.0, 1.0], [0, 1], shape=forms.one.shape)
+        nodes = links @ (abs(forms.one) + pair @ abs(forms.two) + abs(forms.three))
         own = sparse.csr_matrix((nodes.shape[0], count))
         near = self._summed(np.ones((nodes.shape[0], 2 * self.axes))) @ abs(self._ways)
         felt = sparse.hstack([*([nodes] * self.axes), own]) + near
