@@ -161,3 +161,33 @@ def largest_of_the_main_line(result: xr.Dataset) -> float:
     """Largest tension in examples/highline-overload.yaml, N, of its main line beside the knot."""
     links = (result.link_line == "main") & (result.link_xi > 12.0) & (result.link_xi < 15.0)
     return float(result.tension.where(links, drop=True).max())
+
+
+def furthest_on_a_bungee(mass: float = 75.0, air: float = 0.35, wind: float = 5.0, rolling: float = 0.015) -> float:
+    """How far along the rope of zip-line-bungee.yaml a rider comes, m without strain: v v' by forces along it.
+
+    At each place the rope is the elastic catenary with her weight there; what draws her along is the difference of its
+    tensions, and drag, rolling and the bungee of 25 N/m from 100.9 m on.
+    """
+    xi = np.linspace(3.0, 149.0, 147)
+    ropes = [
+        elastic_catenary(
+            span=150.0, height=-12.0, length=150.9, weight=0.55 * G, axial_stiffness=6e6, loads=[(s, (0.0, -mass * G))]
+        )
+        for s in xi
+    ]  # fmt: skip
+    drawn = CubicSpline(xi, [rope.load_tensions[0] @ [1.0, -1.0] for rope in ropes])
+    place = CubicSpline(xi, [rope.load_positions[0] for rope in ropes])
+
+    def rate(s: float, v2: np.ndarray) -> list[float]:
+        way, level = float(np.hypot(*place(s, 1))), float(place(s, 1)[0])
+        relative = math.sqrt(max(v2[0], 0.0)) - wind * level / way
+        force = float(drawn(s)) / way - rolling * mass * G * level / way - air * abs(relative) * relative
+        return [2.0 * way / mass * (force - 25.0 * max(s - 100.9, 0.0))]
+
+    def stops(s: float, v2: np.ndarray) -> float:
+        return float(v2[0]) if s > 10.0 else 1.0
+
+    stops.terminal = True  # type: ignore[attr-defined]
+    found = solve_ivp(rate, (3.0, 149.0), [0.0], rtol=1e-8, max_step=0.5, events=stops)
+    return float(found.t[-1])

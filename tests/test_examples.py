@@ -641,6 +641,17 @@ KNOWN = {
         Known("slope of her way where she stops", routes.slope_where_it_stands, 0.0, 0.018),
         Known("audit, part of the energy", audit, 0.0, 1e-3),
     ],
+    "zip-line-bungee.yaml": [
+        # Of 22 m of bungee; the rope, as heavy as she is, moves with her, and she swings: 2 % of the speed, 0.4 m.
+        Known(
+            "furthest place, m without strain",
+            lambda r: float(r.contact_xi.max()),
+            routes.furthest_on_a_bungee(),
+            0.5,
+            ("run.until=16 s",),
+        ),
+        Known("audit, part of the energy", audit, 0.0, 1e-3, ("run.until=16 s",)),
+    ],
     "highline-backup-cut.yaml": [
         # The elastic catenary with the loops' mass spread over it; they hang on it at six places, and pull a little.
         Known("tension at rest, N", lambda r: float(r.tension[0].max()), routes.highline_tension(), 25.0, CUT_SOON),

@@ -38,6 +38,9 @@ def test_one_line_at_rest_is_the_elastic_catenary() -> None:
         result = run_of({"rope": {**AIRY, "elements": n}}, wind=CALM)
         exact = exact_rope(20.3)
         missed.append(float(np.abs(result.position.values[0] - exact.position(result.xi.values)).max()))
+        off = np.abs(result.tension.values[0] - exact.tension(result.link_xi.values))
+        assert np.median(off) < 0.02 * (20 / n) ** 2  # N
+        assert off.max() < 0.53 * 20 / n  # of the last link, beyond which no line goes on
         assert result.reaction.values[0, 0] == pytest.approx(exact.start_reaction, abs=1e-3 * (20 / n) ** 1.5)
     print(missed)
     assert missed[-1] < 4e-6  # a polygon misses 1.4e-4 m and, with 20 links, 0.17 N

@@ -30,7 +30,7 @@ MISTAKES = {
     "method": ("1 s", "1 s, method: rkn6, window: 3 m, geometry: linearised", 9, "run.method", "leave window out"),
     "wind that nothing feels": (
         "run: {kind: dynamic", "wind: {direction: [1, 0], speed: 5}\nrun: {kind: dynamic",
-        9, "wind", "wind acts on no line",
+        9, "wind", "wind acts on nothing",
     ),
     "an idle joint": ("\nloads", "\n  idle: {mass: 1}\nloads", 7, "joints.idle", "nothing is joined to it"),
     "no such joint": ("to: a, at: 2", "to: kot", 4, "lines.c.end_support.to", "did you mean knot"),

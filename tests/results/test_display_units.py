@@ -93,6 +93,13 @@ def test_there_are_no_rows_about_nothing(result):
     assert "strain" not in text(summary(unknown))
 
 
+@pytest.mark.parametrize(("needed", "told"), [(0.8, False), (18.0, True)])
+def test_a_coefficient_that_no_surfaces_have_is_what_a_clamp_bears(result, needed, told):
+    felt = (0.0 * result["contact_friction"] + needed).assign_attrs(result["contact_friction"].attrs)
+    row = next(row for row in text(summary(result.assign(contact_friction=felt))).splitlines() if "needed" in row)
+    assert ("a clamp bears it" in row) == told
+
+
 def test_tables_stay_in_si_until_units_are_asked_for(result):
     plain, displayed = tables(result), tables(result, units=DisplayUnits.read("kN,mm"))
     column = "rope.largest_tension"

@@ -13,6 +13,7 @@ from scipy.optimize import root
 from ropewalk.model import Scenario
 from ropewalk.results.ropeway import wheel_loads
 from ropewalk.results.statistics import summary
+from ropewalk.results.table_export import tables
 from ropewalk.simulate import simulate
 from ropewalk.theory.rope import elastic_catenary
 
@@ -203,6 +204,11 @@ def test_a_hauling_rope_at_rest_bears_the_weight_along_the_slope() -> None:
     assert found["pull"]["max"]["value"] == pytest.approx(500.0 * G * sine, rel=2e-3)
     assert found["pull"]["min"]["value"] == pytest.approx(500.0 * G * sine, rel=2e-3)
     height = 20.0 - float(result.contact_position[0, :, 1].mean())
+    series = tables(result)["series"]
+    assert series["car.pull [N]"].max() == found["pull"]["max"]["value"]
+    assert series["car.drive_tension [N]"].min() == found["drive_tension"]["min"]["value"]
+    np.testing.assert_array_equal(series["car.sway [rad]"], sway(result))
+    np.testing.assert_array_equal(series[[f"car.wheel_load.{k} [N]" for k in (1, 2, 3, 4)]], wheel_loads(result, "car"))
     more = found["drive_tension"]["max"]["value"] - found["pull"]["max"]["value"]
     assert more == pytest.approx(1.5 * G * height, rel=1e-3)
     assert np.abs(sway(result)).max() < 1e-4  # nothing moves

@@ -130,6 +130,15 @@ def test_a_line_that_is_crushed_to_nothing_below_a_load_has_forces_that_are_deri
                 force @ one, abs=1e-6 * np.abs(force).max() * force.size
             )
         largest.append(float(np.abs(force).max()))
+        # What it takes to push the contact along the line is the change of energy with its place.
+        push, energies = float(contact["push"]), []
+        for side in (1.0, -1.0):
+            contact["begin"] += side * e
+            potential.loaded.stand(0.0, here[: 2 * nodes].reshape(2, nodes))
+            energies.append(potential.energy(here))
+            contact["begin"] -= side * e
+        potential.loaded.stand(0.0, here[: 2 * nodes].reshape(2, nodes))
+        assert push == pytest.approx((energies[0] - energies[1]) / (2.0 * e), rel=1e-6)
     assert largest[3] < largest[2]
 
 

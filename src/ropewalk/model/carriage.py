@@ -44,7 +44,7 @@ class Cabin(Declaration):
         default=0.0, description="of the damper between hanger and main rocker: moment over rate of the angle"
     )
     swing: Angle = Field(default=0.0, description="angle of the hanger from the vertical at the start, towards +x")
-    air_drag: AirDrag = Field(default=0.0, description="force air_drag |v| v against its motion")
+    air_drag: AirDrag = Field(default=0.0, description="force air_drag |v| v, v: of the air as it sees it")
     floor: Offset = Field(
         default=0.0, description="how far its lowest point is below the centre of gravity, for the clearance"
     )

@@ -32,8 +32,8 @@ def check_joints(parts: Parts) -> Iterator[Finding]:
             yield from _on_net(name, load, parts)
     blows = parts.wind is not None and not parts.wind.is_calm
     if blows and not parts.is_airy and all(line is not None for line in parts.lines.values()):
-        remedy = "give a line wind_drag (its drag coefficient times its width), or leave wind out"
-        yield Finding(("wind",), "wind acts on no line: none has wind_drag", remedy=remedy)
+        remedy = "give a line wind_drag (its drag coefficient times its width) or a load air_drag, or leave wind out"
+        yield Finding(("wind",), "wind acts on nothing: no line has wind_drag, no load air_drag", remedy=remedy)
 
 
 def _names(parts: Parts) -> Iterator[Finding]:

@@ -30,7 +30,7 @@ class Oscillator(Declaration):
     lift_off: bool = Field(default=False, description=LIFT_OFF)
     side: Side = Field(default="above", description=SIDE)
     contact_stiffness: PositiveStiffness | None = Field(default=None, description=CONTACT_STIFFNESS)
-    air_drag: AirDrag = Field(default=0.0, description="force air_drag |v| v against the motion of the mass")
+    air_drag: AirDrag = Field(default=0.0, description="force air_drag |v| v, v: of the air as the mass sees it")
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

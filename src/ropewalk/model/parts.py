@@ -54,8 +54,11 @@ class Parts:
 
     @property
     def is_airy(self) -> bool:
-        """Whether the air pushes at lines: one feels it, also where it stands still and the line moves."""
-        return self.wind is not None and any(line is not None and line.wind_drag for line in self.lines.values())
+        """Whether the air pushes at lines, also where it stands still and they move, or blows at loads."""
+        if self.wind is None:
+            return False
+        lines = any(line is not None and line.wind_drag for line in self.lines.values())
+        return lines or (not self.wind.is_calm and any(_feels_air(load) for load in self.loads.values()))
 
     @property
     def has_bending_stiffness(self) -> bool:
@@ -147,3 +150,9 @@ class Parts:
             line = self.lines.get(load.on) if load is not None else None
             if load is not None and line is not None:
                 yield name, load, load.on, line
+
+
+def _feels_air(load: AnyLoad | None) -> bool:
+    """Whether the air drags at a load, its payload or its cabin."""
+    parts = (load, getattr(load, "payload", None), getattr(load, "cabin", None))
+    return any(getattr(part, "air_drag", 0.0) for part in parts)

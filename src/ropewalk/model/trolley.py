@@ -44,7 +44,7 @@ class Payload(Declaration):
     at: Displacement | None = Field(
         default=None, description="place at the start relative to the trolley, [x, z] or [x, y, z], instead of swing"
     )
-    air_drag: AirDrag = Field(default=0.0, description="force air_drag |v| v against its motion")
+    air_drag: AirDrag = Field(default=0.0, description="force air_drag |v| v, v: of the air as it sees it")
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -70,7 +70,7 @@ class Trolley(Declaration):
     force: ForceHistory = Field(
         default=(0.0, 0.0), description="further force on the trolley, or a table {time, value}"
     )
-    air_drag: AirDrag = Field(default=0.0, description="force air_drag |v| v against the motion of the trolley")
+    air_drag: AirDrag = Field(default=0.0, description="force air_drag |v| v, v: of the air as the trolley sees it")
     lift_off: bool = Field(default=False, description=LIFT_OFF)
     side: Side = Field(default="above", description=SIDE)
 

@@ -1,4 +1,4 @@
-"""Wind: moving air that pushes at lines."""
+"""Wind: moving air that pushes at lines and loads."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ class Wind(Declaration):
 
     A line feels the force rho/2 * wind_drag * |v_n| v_n per length, where v_n is the part across the line of the
     velocity of the air relative to it (the cross-flow principle), and wind_drag of the line is its drag coefficient
-    times its width. Air that stands still damps lines with wind_drag, too; the others feel nothing.
+    times its width. A load, payload or cabin with air_drag feels air_drag * |v| v, v that velocity. Air that stands
+    still damps both, too; what has neither key feels nothing.
     """
 
     direction: Direction = Field(description="in which it blows, [x, z] or [x, y, z], of any length")

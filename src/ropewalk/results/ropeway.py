@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ropewalk.model.carriage import Carriage
+from ropewalk.model.carriage import Carriage, Haul
 from ropewalk.results.contact_statistics import contacts_by_load, scenario_of
 from ropewalk.results.contract import path_name
 from ropewalk.results.frame import Array
@@ -65,7 +65,8 @@ def _both(values: Array, unit: str, dataset: xr.Dataset, of: list[str] | None = 
 
 def _carriage(dataset: xr.Dataset, scenario: Scenario, name: str, load: Carriage) -> Summary:
     wheels = contacts_by_load(dataset, Carriage)[name]
-    across = wheel_loads(dataset, name)
+    course = carriage_course(dataset, name)
+    across = course.pop("wheel_load")[0]
     tension = dataset["contact_tension"].values[:, wheels].min(axis=2)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(across > 0.0, tension / across, np.nan)
@@ -73,33 +74,61 @@ def _carriage(dataset: xr.Dataset, scenario: Scenario, name: str, load: Carriage
         transverse = _both(np.where(whole > 0.0, tension.min(axis=1) / whole, np.nan), "1", dataset)
     of = [str(contact).partition(".")[2] for contact in dataset["load"].values[wheels]]
     least = _both(ratio, "1", dataset, of)
+    sides, _ = course.pop("drive_ratio", (None, ""))
     found: Summary = {
         "wheel_load": _both(across, "N", dataset, of),
         "tension_ratio": None if least is None else least["min"],
         "transverse_ratio": None if transverse is None else transverse["min"],
+        **{quantity: _both(values, unit, dataset) for quantity, (values, unit) in course.items()},
     }
-    bodies = dataset["body"].values.tolist()
+    if sides is not None:
+        haul = _haul_of(scenario, name)
+        assert haul is not None
+        assert haul.sheave is not None
+        friction = float(np.exp(haul.sheave.friction * haul.sheave.wrap))
+        most = _both(sides, "1", dataset)
+        found["drive_ratio"] = None if most is None else most["max"] | {"friction_bears": friction}
+    return found
+
+
+def carriage_course(dataset: xr.Dataset, name: str) -> dict[str, tuple[Array, str]]:
+    """Give what a carriage goes through at the output instants, by quantity: values and their unit.
+
+    `wheel_load` (instant, wheel); (instant,): `sway`, `side_sway`, `pull`, `drive_tension`, `counter_pull`,
+    `drive_ratio`, see `ropeway_summary`, of those that there are.
+
+    Args:
+        dataset: a result.
+        name: of the carriage.
+    """
+    scenario, wheels = scenario_of(dataset), contacts_by_load(dataset, Carriage)[name]
+    assert scenario is not None
+    load = scenario.loads[name]
+    assert isinstance(load, Carriage)
+    found = {"wheel_load": (wheel_loads(dataset, name), "N")}
     if load.cabin is not None:
-        cabin = dataset["body_position"].values[:, bodies.index(f"{name}.cabin")]
+        cabin = dataset["body_position"].values[:, dataset["body"].values.tolist().index(f"{name}.cabin")]
         hanger = cabin - dataset["contact_position"].values[:, wheels].mean(axis=1)
-        found["sway"] = _both(np.arctan2(hanger[:, 0], -hanger[:, -1]), "rad", dataset)
+        found["sway"] = np.arctan2(hanger[:, 0], -hanger[:, -1]), "rad"
         if hanger.shape[1] == 3:
-            found["side_sway"] = _both(np.arctan2(hanger[:, 1], -hanger[:, 2]), "rad", dataset)
-    ends = [name, *(other for other, own in _carriages(scenario) if own.haul and own.haul.over_to == name)]
-    haul = next((own.haul for other, own in _carriages(scenario) if other in ends and own.haul), None)
-    if haul is not None:
+            found["side_sway"] = np.arctan2(hanger[:, 1], -hanger[:, 2]), "rad"
+    if (haul := _haul_of(scenario, name)) is not None:
         force = dataset["hold_force"].values[:, wheels].sum(axis=1)
         line = dataset["position"].values[:, dataset["line"].values == load.on]
         place = dataset["contact_position"].values[:, wheels].mean(axis=1)
         ropes = hauling(haul, scenario.gravity, force, place, line)
-        found["pull"], found["drive_tension"] = _both(ropes.pull, "N", dataset), _both(ropes.drive, "N", dataset)
+        found |= {"pull": (ropes.pull, "N"), "drive_tension": (ropes.drive, "N")}
         if haul.counter is not None:
-            found["counter_pull"] = _both(ropes.counter, "N", dataset)
+            found["counter_pull"] = ropes.counter, "N"
         if haul.sheave is not None:
-            friction = float(np.exp(haul.sheave.friction * haul.sheave.wrap))
-            sides = _both(ropes.ratio, "1", dataset)
-            found["drive_ratio"] = None if sides is None else sides["max"] | {"friction_bears": friction}
+            found["drive_ratio"] = ropes.ratio, "1"
     return found
+
+
+def _haul_of(scenario: Scenario, name: str) -> Haul | None:
+    """The hauling rope at a carriage, its own or that which comes over a pulley from another one."""
+    ends = [name, *(other for other, own in _carriages(scenario) if own.haul and own.haul.over_to == name)]
+    return next((own.haul for other, own in _carriages(scenario) if other in ends and own.haul), None)
 
 
 def _carriages(scenario: Scenario) -> list[tuple[str, Carriage]]:

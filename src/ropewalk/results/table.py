@@ -16,6 +16,7 @@ SUPPORTS, LARGEST = 8, 3  # with more supports than this only so many of them ge
 ROUND_OFF = 1e-9  # m: what is no further aside has not left its plane, what is lifted no higher is at rest
 ZERO = 1e-9  # of the largest of its kind: what is no larger is rounding, and written as zero
 NOTHING = 1e-5  # of the largest of its kind: what is no larger gets no row
+_MOST_FRICTION = 2.0  # coefficient above which no two surfaces rub
 ENERGY_LABELS = {
     "kinetic": "kinetic",
     "elastic": "elastic",
@@ -141,7 +142,6 @@ _EXTREMES = {
     "largest_strain": "largest strain",
     "smallest_strain": "smallest strain",
 }
-
 
 _OTHER_END = {
     "largest_tension": "smallest_tension",
@@ -340,9 +340,9 @@ def _contact_rows(name: str, contact: Summary, say: Column, largest: float) -> I
     hold = contact["hold_force"]
     if (hold["value"] or 0.0) > NOTHING * largest:
         yield "largest hold force", say(hold["value"], "N"), "  ".join((*_when(hold), *_components(hold, say)))
-    needed = contact["friction_needed"]
-    if (needed["value"] or 0.0) > NOTHING:
-        yield "friction coefficient needed", number(needed["value"], 3), "  ".join(_when(needed))
+    if ((needed := contact["friction_needed"])["value"] or 0.0) > NOTHING:
+        held = ("more than surfaces have: a clamp bears it",) if needed["value"] > _MOST_FRICTION else ()
+        yield "friction coefficient needed", number(needed["value"], 3), "  ".join((*_when(needed), *held))
     if contact["share_in_air"]:
         yield "in the air", f"{number(100 * contact['share_in_air'], 2)} %", "of its time"
     if contact["friction_power"]["value"]:

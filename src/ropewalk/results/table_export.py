@@ -10,11 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ropewalk.model.carriage import Carriage
+from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contract import path_name
 from ropewalk.results.display_units import DisplayUnits
 from ropewalk.results.files import ResultError
 from ropewalk.results.frame import Array
 from ropewalk.results.line_response import histories
+from ropewalk.results.ropeway import carriage_course
 from ropewalk.results.sag import sag
 from ropewalk.results.statistics import blocks, lines, summary
 
@@ -56,8 +59,8 @@ def tables(
 
     Returns:
         `series`: over the output instants, of every line its largest and smallest tension and its sag, and all
-        quantities of loads, bodies, supports, ties and energies. `samples`: what is sampled between them, if anything
-        is. `summary`: the numbers of `summary`, one in each row.
+        quantities of loads, bodies, supports, ties and energies, of carriages wheel loads, sway and pulls. `samples`:
+        what is sampled between them, if anything is. `summary`: the numbers of `summary`, one in each row.
 
     Raises:
         ResultError: an interval that is not above zero, or an instant that the result does not reach.
@@ -235,7 +238,7 @@ def _series(dataset: xr.Dataset, chosen: list[int]) -> pd.DataFrame:
     name = path_name(dataset)
     watched = {f"{what} [{unit}]": values[chosen] for what, values, unit in histories(dataset)}
     dataset = dataset.isel({name: chosen})
-    parts = [dict([*_of_lines(block), *_of_points(block)]) for block in blocks(dataset)] or [{}]
+    parts = [dict([*_of_lines(block), *_of_points(block), *_of_carriages(block)]) for block in blocks(dataset)] or [{}]
     columns = {column: np.concatenate([part[column] for part in parts]) for column in parts[0]}
     columns |= watched
     head = f"{name} [{dataset[name].attrs['units']}]"
@@ -268,6 +271,18 @@ def _of_points(dataset: xr.Dataset) -> Iterator[tuple[str, Array]]:
                 else:
                     for j, part in enumerate(dataset[str(values.dims[1])].values.tolist()):
                         yield f"{what}.{part} [{unit}]", values.values[:, j]
+
+
+def _of_carriages(dataset: xr.Dataset) -> Iterator[tuple[str, Array]]:
+    """Wheel loads, sway and hauling ropes of every carriage."""
+    scenario = scenario_of(dataset)
+    for name, load in scenario.loads.items() if scenario is not None else ():
+        if isinstance(load, Carriage):
+            for quantity, (values, unit) in carriage_course(dataset, name).items():
+                if values.ndim == 1:
+                    yield f"{name}.{quantity} [{unit}]", values
+                else:
+                    yield from ((f"{name}.{quantity}.{j} [{unit}]", own) for j, own in enumerate(values.T, 1))
 
 
 def _alone(quantity: str) -> str:

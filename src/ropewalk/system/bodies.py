@@ -15,12 +15,13 @@ from ropewalk.mechanics.bodies import Records
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.mechanics.elimination import solve
+from ropewalk.mechanics.moving_contact import look_up
 from ropewalk.mechanics.multibody_system import FIRM
 from ropewalk.system.carriages import Carriages, add_bar_forces, roll, taken_by_bars
 from ropewalk.system.contacts import AWAY, FORCE, FREE, GONE, ON, find_kinks, stiffen
 from ropewalk.system.profile import height_at
 from ropewalk.system.spline import WIDTH
-from ropewalk.system.structure import DRIVEN, IN_BODIES, RESTRAINED, STRUCK
+from ropewalk.system.structure import DRIVEN, IN_BODIES, LOADED, RESTRAINED, STRUCK
 from ropewalk.system.tethers import bear, hang
 from ropewalk.system.yielding import firmness_along, stiffness_between
 
@@ -225,7 +226,7 @@ def kick(structure, contacts, bodies, state, h, half):
             state.work[DRIVEN] -= winch
     if roll(bodies.carriages):
         state.work[IN_BODIES] += h * taken_by_bars(bodies.carriages, w, old, state.r.shape[0])
-    _slow(bodies, state, h)
+    _blow(structure.wind, bodies, state, h)
     for i in range(bodies.gone.size):
         if bodies.gone[i] == LEAVES:
             bodies.gone[i] = GONE_FOR_GOOD
@@ -264,18 +265,25 @@ def _bear_beside(contacts, bodies, f, w, half, p):
 
 
 @lean_inner
-def _slow(bodies, state, h):
-    """Let the air slow down what it drags, along the way of each."""
+def _blow(wind, bodies, state, h):
+    """Let the air slow down or take along what it drags: by the velocity of each as the air sees it.
+
+    What is lost of the kinetic energy as the air sees it is dissipated; the change of momentum times the velocity of
+    the air is its work.
+    """
+    blows = look_up(wind.time, wind.speed, 0, wind.time.size, state.t[0])
     for e in range(bodies.blown.size):
         first, square = bodies.blown[e].first, 0.0
         if bodies.gone[bodies.load[first]] != STAYS:
             continue
         m = 1.0 / bodies.per_mass[first]
         for a in range(state.r.shape[0]):
-            square += state.w[first + a] ** 2
+            square += (state.w[first + a] - blows * wind.direction[a]) ** 2
         slower = 1.0 / (1.0 + h * bodies.blown[e].drag * np.sqrt(square) / m)
         for a in range(state.r.shape[0]):
-            state.w[first + a] *= slower
+            change = (slower - 1.0) * (state.w[first + a] - blows * wind.direction[a])
+            state.w[first + a] += change
+            state.work[LOADED] += m * change * blows * wind.direction[a]
         state.work[IN_BODIES] += 0.5 * m * square * (1.0 - slower * slower)
 
 

@@ -67,6 +67,7 @@ class LoadedStructure:
         self.firm = np.zeros(self.contacts.size)  # N/m, see `statics.py`
         self._light = np.zeros(count, dtype=np.bool_)
         self.weight, self.K = np.zeros(count), sparse.csc_matrix((count, count))
+        self.pushed = np.zeros(count)  # N, by the wind
         if carried is not None:
             self.weight[: self.own] = carried.bodies.force
             self._light[: self.own] = as_moving & (carried.bodies.per_mass == 0.0)
@@ -136,6 +137,15 @@ class LoadedStructure:
             if at >= self.own:
                 own.u[at : at + dim] = contacts[k]["place"][:dim]
 
+    def blow(self, t: float) -> None:
+        """Let the wind of time t in s push at what the air drags, as it stands still."""
+        if self._carried is None:
+            return
+        air, dim = self.structure.wind.at(t), self.rest.shape[0]
+        for blown in self._carried.bodies.blown:
+            own = int(blown["first"]) + np.arange(dim)
+            self.pushed[own] = blown["drag"] * np.linalg.norm(air) * air
+
     def shares(self, nodes: int) -> sparse.csr_matrix:
         """Points of the spline at all contacts by places of the nodes, (contact, node)."""
         out = sparse.lil_matrix((self.contacts.size, nodes))
@@ -172,7 +182,7 @@ class LoadedStructure:
 
     def energy(self, u: Array) -> float:
         """Potential energy of weights, given forces and springs, J."""
-        total = 0.5 * float(u @ (self.K @ u)) - float(self.weight @ u)
+        total = 0.5 * float(u @ (self.K @ u)) - float((self.weight + self.pushed) @ u)
         for k in self.on:
             total -= float(self._given(k) @ u[self._at(k)])
         for tether in self._tethers:
@@ -191,7 +201,7 @@ class LoadedStructure:
 
     def forces(self, u: Array) -> Array:
         """Forces on all coordinates, N, with those of the lines at their contacts, which are known."""
-        out = np.asarray(self.weight - self.K @ u)
+        out = np.asarray(self.weight + self.pushed - self.K @ u)
         for k in self.on:
             at, dim = self._at(k), self.rest.shape[0]
             contact = self.contacts[k]
@@ -245,6 +255,11 @@ class LoadedStructure:
             if length > tether["length"]:
                 at, gap = np.concatenate([above, below]), np.concatenate([-way, way]) / length
                 C[np.ix_(at, at)] += tether["damping"] * np.outer(gap, gap)
+        air = self.structure.wind.at(float(self.state.t[0]))
+        if (speed := float(np.linalg.norm(air))) > 0.0:  # of drag |u| u, as far as it is linear about what stands still
+            for blown in self._carried.bodies.blown:
+                at = int(blown["first"]) + np.arange(air.size)
+                C[np.ix_(at, at)] += blown["drag"] * (speed * np.eye(air.size) + np.outer(air, air) / speed)
         if self._carriages.bars.size:
             C += sparse.lil_matrix(self._carriages.damping(u, self.rest.shape[0]))
         return C.tocsc()

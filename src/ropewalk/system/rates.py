@@ -157,7 +157,8 @@ class Forces:
             out[above : above + axes] += T * way
         for blown in bodies.blown:
             own = slice(int(blown["first"]), int(blown["first"]) + axes)
-            out[own] -= blown["drag"] * np.linalg.norm(state.w[own]) * state.w[own]
+            meets = state.w[own] - self.system.structure.wind.at(float(state.t[0]))
+            out[own] -= blown["drag"] * np.linalg.norm(meets) * meets
         return out
 
     def tethers(self) -> Iterator[tuple[Any, Array, float, float]]:
@@ -213,7 +214,11 @@ class Forces:
             power[IN_BODIES] += damper * float(way @ (state.w[below : below + axes] - state.w[above : above + axes]))
         for blown in self.system.bodies.blown:
             own = slice(int(blown["first"]), int(blown["first"]) + state.r.shape[0])
-            power[IN_BODIES] += float(blown["drag"]) * float(np.linalg.norm(state.w[own])) ** 3
+            air = structure.wind.at(t)
+            meets = state.w[own] - air
+            square = float(blown["drag"]) * float(np.linalg.norm(meets))
+            power[IN_BODIES] += square * float(meets @ meets)
+            power[LOADED] -= square * float(meets @ air)
         return power
 
 

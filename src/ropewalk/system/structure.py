@@ -110,6 +110,10 @@ class WindField(NamedTuple):
     speed: Array  # m/s
     density: float  # kg/m^3
 
+    def at(self, t: float) -> Array:
+        """Velocity of the air at time t in s, (axis,) m/s."""
+        return np.asarray(float(np.interp(t, self.time, self.speed)) * self.direction)
+
 
 REST = np.dtype(
     [("strain", "f8"), ("tension", "f8"), ("slope", "f8"), ("length", "f8"), ("pull", "f8")], align=True
