@@ -9,11 +9,10 @@ import pytest
 import xarray as xr
 from pydantic import ValidationError
 
+from crab_routes import G, hung, shares
 from ropewalk.model import Scenario
 from ropewalk.results.statistics import summary
 from ropewalk.simulate import simulate
-
-from ..crab_routes import G, hung, shares
 
 HAULED = {"from": 30.0, "speed": {"time": [0.0, 0.5], "value": [0.0, 2.0]}, "measured": "horizontal"}
 SET_DOWN: dict[str, Any] = {"start": {"kind": "rest"}}

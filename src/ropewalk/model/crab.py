@@ -35,12 +35,12 @@ def _going(name: str, load: Trolley) -> Iterator[Finding]:
             wrong = "a driver acts along one line, and would pull at that one alone"
             remedy = "write a travel with its speed and measured: horizontal, or a drive, which acts along all"
             yield Finding((*path, "driver"), wrong, remedy=remedy)
-        allowed = ("refuse", "stay")
+        allowed = ["refuse", "stay"]
     else:
         if travel.measured != "horizontal":
             wrong = "lines that stretch differently are not at one place along x where so much of each is behind"
             yield Finding((*path, "measured"), wrong, travel.measured, "write measured: horizontal")
-        allowed = ("refuse",)
+        allowed = ["refuse"]
     if travel.at_end not in allowed:
         wrong = "all of its lines carry it, and end at different instants"
         if travel.at_end == "stay":
