@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import crab_routes as crabs
 import example_routes as routes
 import footbridge_routes as footbridges
 import overhead_routes as overhead
@@ -35,6 +36,8 @@ ARTICULATED = float(
         trains.Bridge(20.0, 10e3, 16.2114e9, 0.6283), 46.75, 210.0 / 46.75,
     )[1].max()
 )  # fmt: skip
+SHORT = ("run.until=2 s", "run.every=50 ms")
+NEAR = crabs.hung(20.0, (220e6, 110e6), 8e3 * 9.81, span=200.0, length=200.8, mass=12.0)
 TOWER_CABIN = 5.0, 6.6e3, 6e3, 12e3  # hanger, m, mass, kg, inertia, kg m^2, and damper, N m s
 CUT_SOON = ("lines.main.cut.time=0.2 s", "run.until=1.5 s")
 FOLDER = Path(__file__).parent.parent / "examples"
@@ -542,6 +545,13 @@ KNOWN = {
     "cable-crane-two-ropes.yaml": [
         # Polygons of 40 links instead of catenaries.
         Known("part of the first rope", ropeways.share_of_the_first_rope, ropeways.share_by_catenaries(), 1e-4),
+    ],
+    "cable-crane-travelling-on-two-ropes.yaml": [
+        # Polygons of 20 links instead of catenaries.
+        Known("part of the new rope at 20 m", lambda r: float(crabs.shares(r)[0, 0]), NEAR.share[0], 1e-4, SHORT),
+        Known("height there, m", lambda r: float(r.contact_position[0, 0, 1]), NEAR.height, 1e-3, SHORT),
+        Known("pull of the hauling rope, N", lambda r: float(r.hold_force[0, :, 0].sum()), NEAR.pull, 20.0, SHORT),
+        Known("audit, part of the energy", audit, 0.0, 1e-4, SHORT),
     ],
     "cable-crane-yarding.yaml": [
         Known(

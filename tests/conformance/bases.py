@@ -155,6 +155,11 @@ BASES: dict[str, Tree] = {
         "run": moves(start={"with_loads": True}),
     },
     "hoisted": one(TAUT, load("trolley", way(start=8.0), payload={**_HUNG, "hoist": 1.0})),
+    "crab": {
+        "lines": {"rope": TAUT, "other": {**TAUT, "axial_stiffness": "500 kN"}},
+        "loads": {"load": load("trolley", way(start=8.0, measured="horizontal"), also_on=["other"], payload=_HUNG)},
+        "run": moves(),
+    },
     "vehicle": one(
         {**TAUT, "law": {"kind": "tension_only"}}, load("vehicle", way(), lift_off=True),
         moves(start={"with_loads": True})

@@ -265,6 +265,7 @@ OTHER: dict[str, Any] = {
     "FreeTravel.brake": {"force": 50.0, "within": 18.0},
     "Oscillator.damping": lambda value, _: 2.0 * value,
     "Oscillator.wheel_mass": lambda value, _: 1.25 * value or 5.0,
+    "Trolley.also_on": lambda value, _: [] if value else None,
     "Payload.damping": lambda value, _: 2.0 * value or 100.0,
     "Payload.swing": "15 deg",
     "Payload.at": Patch(at=[0.5, -2.1], swing=None),

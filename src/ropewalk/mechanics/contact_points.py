@@ -53,6 +53,8 @@ class ContactPoint:
     air_drag: float = 0.0  # kg/m
     lift: int = 0  # 1: runs above and may leave the line, -1: below
     free: FreeTravel | None = None
+    with_last: bool = False  # it bears the same body as the contact before it
+    moved: bool = False  # that is moved level from outside as prescribed, its wheels roll
     given: bool = field(default=True)  # False for a force that is found while the motion goes on
 
     @property
@@ -89,13 +91,19 @@ def _wheels(name: str, load: AnyLoad, gravity: float, line: Line | None) -> Iter
             contact=load.contact, mass=load.mass, air_drag=load.air_drag, lift=_lift(load),
         )  # fmt: skip
     elif isinstance(load, Trolley):
-        yield ContactPoint(
-            name, "", load.on, places[0].measured, places[0].start, **_travel(load.travel), force=load.force,
-            mass=load.mass, air_drag=load.air_drag, lift=_lift(load),
-        )  # fmt: skip
+        alone, start = not load.also_on, places[0].start
+        for line_of in load.lines:
+            course = _travel(load.travel) if alone else _rolling(load.travel, len(load.lines))
+            first = line_of == load.on
+            yield ContactPoint(
+                name, "" if alone else line_of, line_of, places[0].measured if alone else "material", start, **course,
+                force=load.force if first else (0.0, 0.0), mass=load.mass if first else 0.0,
+                air_drag=load.air_drag if first else 0.0, lift=_lift(load), with_last=not first,
+                moved=not alone and isinstance(load.travel, Travel),
+            )  # fmt: skip
     elif isinstance(load, Carriage):
         for i, place in enumerate(places):
-            course = _travel(_shared(load, drives=i == load.count // 2))
+            course = _travel(_of_wheel(load, drives=i == load.count // 2))
             if load.haul is not None and load.haul.speed is not None:
                 course["speed"] = load.haul.speed
             yield ContactPoint(
@@ -192,25 +200,34 @@ def _travel(travel: Travel | FreeTravel) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _shared(load: Carriage, *, drives: bool) -> FreeTravel:
-    """The travel of one wheel of a carriage: its share of what acts along the line; a driver acts at one of them."""
-    travel, n = load.travel, load.count
+def _rolling(travel: Travel | FreeTravel, n: int) -> dict[str, Any]:
+    """How wheels roll along one of n lines that carry a load; they have no friction where the load is moved."""
+    if isinstance(travel, FreeTravel):
+        return _travel(travel.model_copy(update=_shared(travel, n)))
+    speed = beginning(travel.speed)
+    return _prescribed(travel) | {"free": FreeTravel(start=travel.start, speed=speed, at_end=travel.at_end)}
+
+
+def _shared(travel: FreeTravel, n: int) -> dict[str, Any]:
+    """The n-th part of what acts along a line."""
     drive: Any = travel.drive
     if isinstance(drive, DriveTable):
         shared: Any = drive.model_copy(update={"value": tuple(force / n for force in drive.value)})
     else:
         shared = (lambda t: drive(t) / n) if callable(drive) else drive / n
-    found: dict[str, Any] = {
-        "drive": shared,
-        "viscous": travel.viscous / n,
-        "driver": travel.driver if drives else None,
-    }
+    found: dict[str, Any] = {"drive": shared, "viscous": travel.viscous / n}
     if (brake := travel.brake) is not None:
         all_of = {"force": brake.force, "rate": brake.rate, "stiffness": brake.stiffness}
         found["brake"] = brake.model_copy(update={key: own / n for key, own in all_of.items() if own is not None})
+    return found
+
+
+def _of_wheel(load: Carriage, *, drives: bool) -> FreeTravel:
+    """The travel of one wheel of a carriage: its share of what acts along the line; a driver acts at one of them."""
+    found = _shared(load.travel, load.count) | {"driver": load.travel.driver if drives else None}
     if load.haul is not None and load.haul.speed is not None:
         found["speed"] = beginning(load.haul.speed) * (1.0 if load.haul.to == "end" else -1.0)
-    return travel.model_copy(update=found)
+    return load.travel.model_copy(update=found)
 
 
 def _lift(load: MovingMass | Trolley | Oscillator | Vehicle | Matrices) -> int:

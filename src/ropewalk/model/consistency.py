@@ -13,6 +13,7 @@ from ropewalk.model.axles import Axles
 from ropewalk.model.beginning import check_beginning
 from ropewalk.model.carriage import Carriage, check_carriages
 from ropewalk.model.course import course
+from ropewalk.model.crab import check_crabs
 from ropewalk.model.crossing import check_crossing, crossed
 from ropewalk.model.crowd import is_one_of_many
 from ropewalk.model.footsteps import Footsteps
@@ -74,6 +75,7 @@ def check(parts: Parts) -> list[Finding]:
             check_crossing,
             check_outputs,
             check_carriages,
+            check_crabs,
             _steered,
             _unfelt,
             _weights,

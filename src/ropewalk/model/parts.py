@@ -112,7 +112,7 @@ class Parts:
         """Whether there is what no other engine knows."""
         kinds = self.has_profile, self.has_segments, self.has_saddles, self.has_cut, self.has_winch
         more = self.has_sprung_brake, self.has_hysteresis, self.has_carriages, self.has_hoists, bool(self.tracks)
-        return any(kinds) or any(more)
+        return any(kinds) or any(more) or self.has_crabs
 
     @property
     def has_sprung_brake(self) -> bool:
@@ -130,6 +130,11 @@ class Parts:
         """Whether ropes of payloads are taken in."""
         hoists = (getattr(getattr(load, "payload", None), "hoist", 0.0) for load in self.loads.values())
         return any(callable(hoist) or hoist != 0.0 for hoist in hoists)
+
+    @property
+    def has_crabs(self) -> bool:
+        """Whether a load stands on several lines."""
+        return any(bool(getattr(load, "also_on", ())) for load in self.loads.values())
 
     @property
     def is_auto(self) -> bool:

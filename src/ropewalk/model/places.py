@@ -87,6 +87,9 @@ def travels(parts: Parts) -> Iterator[Finding]:
 def meetings(parts: Parts) -> Iterator[Finding]:
     """Find loads that start at one place, and those with a prescribed travel that meet later."""
     everybody: list[tuple[str, AnyLoad, str, Line | OverheadLine]] = list(parts.complete())
+    for name, its, _, _ in tuple(everybody):  # loads on several lines meet others on each of these
+        also = ((key, parts.lines.get(key)) for key in getattr(its, "also_on", ()))
+        everybody += [(name, its, key, line) for key, line in also if line is not None]
     for name, load in parts.loads.items():
         wire = parts.overhead.get(load.on) if load is not None else None
         if load is not None and wire is not None and not isinstance(load, Pantograph):

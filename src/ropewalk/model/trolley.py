@@ -15,6 +15,7 @@ from ropewalk.model.quantity import (
     AirDrag,
     Angle,
     Displacement,
+    Name,
     PositiveLength,
     PositiveMass,
     PositiveStiffness,
@@ -60,10 +61,16 @@ class Payload(Declaration):
 
 
 class Trolley(Declaration):
-    """A mass on the line from which a payload hangs, free to swing wide."""
+    """A mass on the line from which a payload hangs, free to swing wide.
+
+    On several lines, as the crab of a cable crane on its track ropes, it is one rigid body that stays level: all lines
+    carry it at one place, and what each of them bears follows from how they yield. Its wheels roll; with a speed it is
+    moved from outside, as by a stiff hauling rope, and the pull of that is told.
+    """
 
     kind: Literal["trolley"] = "trolley"
     on: str = Field(description="name of the line")
+    also_on: tuple[Name, ...] = Field(default=(), description="names of further lines that carry it beside that one")
     mass: PositiveMass = Field(description="of the trolley without its payload")
     payload: Payload = Field(description="what hangs from it")
     travel: AnyTravel = Field(description="how it advances along the line, prescribed or free")
@@ -78,6 +85,11 @@ class Trolley(Declaration):
     def _consistent(self) -> Self:
         report("trolley", one_sided(self.side, lift_off=self.lift_off))
         return self
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """Names of all lines that carry it."""
+        return (self.on, *self.also_on)
 
     def starts(self) -> list[Place]:
         """List where it stands at the beginning."""

@@ -46,9 +46,9 @@ def payload_summary(dataset: xr.Dataset) -> dict[str, Summary]:
         return {}
     scenario, path = scenario_of(dataset), dataset[name].values
     found: dict[str, Summary] = {}
-    for i, k in hung:
-        load = bodies[i].removesuffix(SUFFIX)
-        span = dataset["body_position"].values[:, i] - dataset["contact_position"].values[:, k]
+    for i in dict.fromkeys(i for i, _ in hung):
+        load, on = bodies[i].removesuffix(SUFFIX), [k for body, k in hung if body == i]  # one contact for each line
+        span = dataset["body_position"].values[:, i] - dataset["contact_position"].values[:, on].mean(axis=1)
         aside = np.linalg.norm(span[:, :-1], axis=1)
         angle = np.arctan2(aside, -span[:, -1])
         pull = _pull(scenario, load, span, path) if name == "time" else None

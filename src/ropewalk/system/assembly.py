@@ -269,7 +269,8 @@ def contacts_of(
     wheels, loads, dim = loading.wheels, loading.loads, len(loading.axes)
     contacts = records(len(wheels), CONTACT)
     names = list(scenario.loads)
-    contacts["line"] = [on[wheel.load] for wheel in wheels]
+    lines = list(scenario.lines)
+    contacts["line"] = [lines.index(wheel.on) if wheel.with_last else on[wheel.load] for wheel in wheels]
     contacts["load"] = [names.index(wheel.load) for wheel in wheels]
     contacts["begin"] = [wheel.start for wheel in wheels]
     for key in ("speed_first", "speed_count", "force_first", "force_count"):
@@ -297,7 +298,8 @@ def contacts_of(
     contacts["kind"] = FORCE
     contacts["kind"][heavy] = BODY
     contacts["rolls"] = [isinstance(scenario.loads[wheel.load], Rolling) for wheel in wheels]
-    contacts["first"][heavy] = dim * np.arange(len(heavy))
+    bearing = np.cumsum([not wheels[k].with_last for k in heavy]) - 1  # of some contacts one body, of others theirs
+    contacts["first"][heavy] = dim * bearing
     runs, first = structure.runs, structure.lines.first[contacts["line"]]
     h = np.where(runs.firm[first] > 0.0, 0.0, runs.h[first])  # no support is at the ends of a way on a net
     contacts["margin"][heavy] = MARGIN * h[heavy]
@@ -309,6 +311,7 @@ def contacts_of(
         if wheel.free is not None:
             _travel_freely(contact, wheel.free, float(length))
     contacts["margin"][led] = 0.0
+    shared, heavy = heavy, [k for k in heavy if not wheels[k].with_last]
     places = dim * len(heavy)
     load = np.repeat(contacts["load"][heavy], dim).astype(np.int64)
     if loading.multibody_system is None:
@@ -361,7 +364,8 @@ def contacts_of(
     )
     for k in heavy:
         own = contacts[k]["first"] + np.arange(dim)
-        contacts[k]["light"] = bodies.per_mass[own].max()
+        mine = [other for other in shared if contacts[other]["first"] == own[0]]
+        contacts["light"][mine] = len(mine) * bodies.per_mass[own].max()
         above = [bodies.K[p, i, i] for p, n in enumerate(bodies.size) for i in range(n) if bodies.at[p, i] in own]
         stiffest = max([*above, *bodies.tethers["stiffness"][bodies.tethers["contact"] == k]], default=0.0)
         contacts[k]["least"] = FIRM / stiffest if stiffest > 0.0 else 0.0

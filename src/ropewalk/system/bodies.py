@@ -23,6 +23,7 @@ from ropewalk.system.profile import height_at
 from ropewalk.system.spline import WIDTH
 from ropewalk.system.structure import DRIVEN, IN_BODIES, LOADED, RESTRAINED, STRUCK
 from ropewalk.system.tethers import bear, hang
+from ropewalk.system.travel import travelled
 from ropewalk.system.yielding import firmness_along, stiffness_between
 
 # Rounds of Newton's method for contacts without mass, and the part of a link to which their places are found.
@@ -176,6 +177,10 @@ def kick(structure, contacts, bodies, state, h, half):
             f[c] += contacts[k].given[bodies.axis[c]] - contacts[k].N[bodies.axis[c]]
             if contacts[k].frictionless == 1:
                 f[c] += contacts[k].hold * structure.runs.ahead[contacts[k].run, bodies.axis[c]]
+    for k in range(contacts.size):  # further ones that carry the same body
+        if contacts[k].kind != FORCE and bodies.contact[contacts[k].first] != k:
+            for a in range(state.r.shape[0]):
+                f[contacts[k].first + a] += contacts[k].given[a] - contacts[k].N[a]
     hang(contacts, bodies, state)
     if roll(bodies.carriages):
         add_bar_forces(bodies.carriages, u, w, f, state.r.shape[0])
@@ -210,7 +215,10 @@ def kick(structure, contacts, bodies, state, h, half):
         stage, k = bodies.gone[bodies.load[c]], bodies.contact[c]
         if stage == GONE_FOR_GOOD or (k >= 0 and contacts[k].state == AWAY):
             continue
-        if bodies.alone[c] == 1:
+        if k >= 0 and contacts[k].moved == 1 and bodies.axis[c] == 0:
+            contacts[k].evened = -f[c]
+            state.work[RESTRAINED] -= h * f[c] * contacts[k].goes
+        elif bodies.alone[c] == 1:
             w[c] += (h if stage == STAYS or half == 1 else 0.5 * h) * f[c] * bodies.per_mass[c]
             if k >= 0 and contacts[k].frictionless == 1:
                 level = structure.runs.ahead[contacts[k].run, bodies.axis[c]]
@@ -422,6 +430,25 @@ def energy_of_bodies(bodies, state):
                 if bodies.M[p, i, j] < FIRM:  # only its owner moves that
                     total += 0.5 * w[c] * bodies.M[p, i, j] * w[d]
     return total
+
+
+@lean_inner
+def lead(contacts, tables, bodies, state, h):
+    """Give bodies that are moved along x the speeds that bring them to their places in the time h.
+
+    What moves them changes their kinetic energy; its work against forces is booked where these act.
+    """
+    for k in range(contacts.size):
+        c, t = contacts[k].first, state.t[0] + h
+        if contacts[k].moved == 0 or bodies.contact[c] != k:
+            continue
+        before, faster = state.w[c], -contacts[k].goes
+        state.w[c] = (contacts[k].origin + travelled(tables, contacts, k, t) - state.u[c]) / h
+        state.work[RESTRAINED] += 0.5 / bodies.per_mass[c] * (state.w[c] ** 2 - before**2)
+        contacts[k].goes = look_up(
+            tables.speed_time, tables.speed_value, contacts[k].speed_first, contacts[k].speed_count, t
+        )
+        contacts[k].hold = (faster + contacts[k].goes) / (bodies.per_mass[c] * h)  # beside what balances forces
 
 
 @inlined

@@ -25,6 +25,7 @@ from ropewalk.model.travel import FreeTravel
 from ropewalk.model.vehicle import Vehicle
 from ropewalk.model.walker import Walker
 from ropewalk.system.methods import of_methods
+from ropewalk.system.several_lines import of_several_lines
 
 _SYSTEM = "joined lines, nets, lines on inner supports, lines in wind and lines with bending stiffness"
 
@@ -375,7 +376,7 @@ _LINEAR, _DYNAMIC = "kind: linear", "ask for kind: dynamic"
 _LAWS = ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table", "webbing")
 _MORE = (
     _accuracy, _only_lines, _over_profiles, _overhead, _inextensible, _in_a_window, _joined_between_nodes, _of_loads,
-    _of_tracks, _on_nets, supported_by_tension, of_methods,
+    _of_tracks, _on_nets, supported_by_tension, of_methods, of_several_lines,
 )  # fmt: skip
 MOTION = Capabilities(
     _SYSTEM,

@@ -13,9 +13,7 @@ do not stretch or are linearised give way in all directions alike: there d has a
 
 Without a body the force is given and d follows; a body has its own place, N follows, and reaches it in turn. A kink
 that is carried along at the speed U feels the tension T - rho U^2. What makes it softer than a kink at rest is a push
-of its own, for only the latter has a potential with the links.
-
-On runs that are linearised T is the tension at rest, K = 0 and V = |d|^2/2 S.
+of its own, for only the latter has a potential with the links. Linearised, T is that of rest, K = 0, V = |d|^2/2 S.
 """
 
 from __future__ import annotations
@@ -52,7 +50,11 @@ CONTACT = np.dtype(
         ("line", _CODE),
         ("load", _CODE),
         ("kind", _CODE),
-        ("first", _CODE),  # of a body: its first coordinate, one for each axis
+        ("first", _CODE),  # of a body: its first coordinate, one for each axis; some contacts may carry the same one
+        ("aside", *_VECTOR),  # m, from the body to what touches
+        ("moved", _CODE),  # 1: its body is moved along x as prescribed, while it rolls
+        ("origin", _REAL),  # m, where that is at time zero
+        ("goes", _REAL),  # m/s, how fast it is moved
         ("lift", _CODE),  # 0: it cannot leave its line; 1: it runs above it, -1: below
         ("apart", _CODE),  # 1: it has left its line and is in the air
         ("was_apart", _CODE),  # when it was last looked at
@@ -340,7 +342,7 @@ def stiffen(structure, buffers, contacts, state, table, out, k):
     """Stiffness and kink of the contact of a body, where the body is now."""
     axes, h = state.r.shape[0], structure.runs.h[contacts[k].run]
     for a in range(axes):
-        contacts[k].place[a] = state.u[contacts[k].first + a]
+        contacts[k].place[a] = state.u[contacts[k].first + a] + contacts[k].aside[a]
         contacts[k].d[a] = contacts[k].place[a] - contacts[k].p[a]
     contacts[k].apart = 0
     if contacts[k].lift != 0 and contacts[k].lift * _above(contacts, k, axes) > 0.0:

@@ -11,6 +11,7 @@ from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.contact_points import ContactPoint
 from ropewalk.model.carriage import Carriage, Haul
 from ropewalk.model.scenario import Scenario
+from ropewalk.model.trolley import Trolley
 from ropewalk.results.frame import RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.hauling import Hauling, hauling
@@ -21,6 +22,8 @@ from ropewalk.system.structure import Buffers
 _PUSHED = 0.1
 # Strain of a hauling rope up to which it is slack: rounding.
 _SLACK = 1e-9
+# Part of the weight of a load on several lines, with which each may draw it down: where it is set down, they differ.
+_LITTLE = 1e-2
 # Length of links over the smallest rocker from which on single wheels on a saddle are not resolved.
 _COARSE = 1.5
 
@@ -64,17 +67,23 @@ def doubt_saddles(scenario: Scenario, run_info: RunInfo, frames: Frames, line: S
 
 
 def doubt_wheels(scenario: Scenario, run_info: RunInfo, frames: Frames, wheels: Sequence[ContactPoint]) -> None:
-    """Doubt carriages whose wheels would leave the rope, where nothing lets them."""
+    """Doubt carriages and loads on several lines whose wheels would leave the rope, where nothing lets them."""
     for k, wheel in enumerate(wheels):
-        load, key = scenario.loads[wheel.load], f"loads.{wheel.load}.lift_off"
-        if not isinstance(load, Carriage) or load.lift_off or any(doubt.key == key for doubt in run_info.doubts):
+        load, key, remedy = scenario.loads[wheel.load], f"loads.{wheel.load}.lift_off", "write lift_off: true"
+        most = 0.0
+        if isinstance(load, Trolley) and load.also_on:
+            key, remedy = f"lines.{wheel.on}", "let all of its lines sag alike: change a length or a tension"
+            most = _LITTLE * (load.mass + load.payload.mass) * scenario.gravity
+        elif not isinstance(load, Carriage) or load.lift_off:
             continue
-        lifts = frames.of["contact_force"][:, k, -1] > 0.0
+        if any(doubt.key == key for doubt in run_info.doubts):
+            continue
+        lifts = frames.of["contact_force"][:, k, -1] > most
         if lifts.any():
             t = float(frames.path[int(np.argmax(lifts))])
             run_info.doubt(
                 f"wheel {wheel.part} of {wheel.load} would leave its rope at t = {t:.4g} s",
-                "it is drawn down there, as if there were a rail above it", key, "write lift_off: true",
+                "it is drawn down there, as if there were a rail above it", key, remedy,
             )  # fmt: skip
 
 

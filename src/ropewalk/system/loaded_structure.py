@@ -77,6 +77,7 @@ class LoadedStructure:
             Tables(none, none, none, none, np.zeros((dim, 0)), none, none) if carried is None else carried.tables
         )
         self._tethers = [] if carried is None else list(carried.bodies.tethers)
+        self._stands = False  # whether anything has stood here
         self._carriages = Carriages.nothing() if carried is None else carried.bodies.carriages
         self.state = SystemState(
             np.zeros(1), rest.copy(), np.zeros_like(rest), np.zeros(count), np.zeros(count),
@@ -94,6 +95,7 @@ class LoadedStructure:
         out = np.ones(self.weight.size, dtype=np.bool_)
         for contact in self.contacts[self.contacts["state"] != ON]:
             out[contact["first"] + np.arange(self.rest.shape[0])] = False
+        out[self.contacts["first"][self.contacts["moved"] == 1]] = False
         return out
 
     def stand(self, t: float, r: Array) -> None:
@@ -102,16 +104,22 @@ class LoadedStructure:
         There are no kinks at first; payloads hang as they did, or straight down.
         """
         dim, contacts, u = self.rest.shape[0], self.contacts, self.state.u
-        was_on, before = contacts["state"] == ON, u.copy()
+        was_on, before, self._stands = self._stands & (contacts["state"] == ON), u.copy(), True
         self.state.t[0], self.state.r[:] = t, self.rest
         buffers = Buffers.of(self.structure, dim).for_kernels(self.structure)
         _location(self.structure.for_kernels, buffers, contacts, self._tables, self.state)
         self.state.r[:] = r
         E = self.shares(r.shape[1])
+        count = np.bincount(contacts["first"][self.on], minlength=u.size)
         for k in self.on:
+            u[int(contacts[k]["first"]) + np.arange(dim)] = 0.0
+        for k in self.on:  # what several lines carry is put in the middle
             own = int(contacts[k]["first"]) + np.arange(dim)
-            u[own] = E[k] @ r.T
-            u[own[-1]] += contacts[k]["rough"]
+            part = 1.0 / count[own[0]]
+            u[own] += part * (np.ravel(E[k] @ r.T) - contacts[k]["aside"][:dim])
+            u[own[-1]] += part * contacts[k]["rough"]
+        led = contacts[contacts["moved"] == 1]
+        u[led["first"]] = led["origin"]
         for tether in self._tethers:
             above, below = self._ends(tether)
             fall = np.zeros(dim)

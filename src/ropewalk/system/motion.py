@@ -11,7 +11,7 @@ import numpy as np
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.mechanics.elimination import solve_definite
 from ropewalk.mechanics.moving_contact import look_up
-from ropewalk.system.bodies import LEAVES, STAYS, approach, arrive, balance, drift, ground, kick
+from ropewalk.system.bodies import LEAVES, STAYS, approach, arrive, balance, drift, ground, kick, lead
 from ropewalk.system.cables import add_internal_forces, add_wind_forces, energy_of, guess, stretch_all
 from ropewalk.system.carriages import haul, roll
 from ropewalk.system.constraints import draw, is_too_long, note_kick
@@ -406,6 +406,7 @@ def advance(structure, buffers, contacts, tables, bodies, state, table, out, A, 
             gone = (gone if stage > 0 else 0.0) + drifts[stage]
             state.work[DRIVEN] += grow(contacts, bodies, state, since)
             _drift(structure, state, since)
+            lead(contacts, tables, bodies, state, since)
             drift(bodies, state, since)
             state.work[DRIVEN] += hoist(bodies, contacts, state, since)
             state.t[0] = begin + (step + (gone if stage < stages - 1 else 1.0)) * dt

@@ -37,6 +37,7 @@ from ropewalk.system.carriages_at_rest import CarriagesAtRest
 from ropewalk.system.carrier import SHORTER, System, SystemCarrier
 from ropewalk.system.compliance import compliances
 from ropewalk.system.contacts import BODY, FASTEST, ON, PRESCRIBED
+from ropewalk.system.crabs import Crabs, stand_on_lines
 from ropewalk.system.cuts import Cuts, runs_ahead_of_cuts
 from ropewalk.system.doubts import coarse_for_wheels, doubt_saddles, doubt_struts, doubt_wheels, judge_hauling_ropes
 from ropewalk.system.feet import steps_by_table
@@ -47,7 +48,6 @@ from ropewalk.system.loaded_structure import Carried, LoadedStructure, load_spri
 from ropewalk.system.methods import cut_by_damping, first_damper, shaken
 from ropewalk.system.rest import about_rest, at_rest, least, tensions
 from ropewalk.system.segments import mass_of
-from ropewalk.system.spline import WIDTH
 from ropewalk.system.stability import GROWN, SAFETY, largest_frequency, largest_step, waves_of, while_passing
 from ropewalk.system.statics import SystemPotential
 from ropewalk.system.structure import WORKS, Buffers, SystemState
@@ -136,20 +136,24 @@ class SystemMotion:
         kinds = loading.loads.contact
         self._may_slip = ((kinds == CLAMPED) & (self.contacts["friction"] > 0.0)) | (kinds == COULOMB)
         self._carriages = CarriagesAtRest(scenario, loading, self.contacts, self.bodies, dim)
+        self._crabs = Crabs(scenario, loading.wheels, self.contacts, self.bodies)
         if self._carriages.rounds:
             self._space_wheels()
+        self._crabs.reach(self._locate)
         if asked.start.with_loads:
             bearing = self._settle(self.rest)
             for _ in range(self._carriages.rounds):  # they stand on slopes that they make
                 self._carriages.roll(bearing)
-                self._advance(0.0, motion.LOCATE)
+                self._locate()
                 self._carriages.hold(self.structure, self.state.r)
                 bearing = self._settle(self.state.r)
+            self._crabs.roll(self._locate, lambda: self._settle(self.state.r, self.state.u), self.state)
         elif asked.start.kind != "rest" and not past:
             begin_elsewhere(
                 self.structure, self.state, asked.start, self._builder.node, self.layout.node_line,
                 within=scenario.is_plane,
             )  # fmt: skip
+            self._crabs.reach(self._locate)
         self._stand(with_loads=asked.start.with_loads)
         run_info.step = self._step = min(self._step, self._allowed())
         self._lead()
@@ -291,8 +295,10 @@ class SystemMotion:
         loaded.stand(0.0, near)
         return SystemPotential(self.structure, loaded, float(np.ptp(self.rest, axis=1).max()))
 
-    def _settle(self, near: Array) -> Any:
-        """Let lines near a shape and loads rest together, with kinks as in the steps to come; gives contacts there.
+    def _settle(self, near: Array, u: Array | None = None) -> Any:
+        """Let lines near a shape and loads, near coordinates if these are known, rest together; gives contacts there.
+
+        Kinks are as in the steps to come.
 
         Raises:
             EquilibriumError: there is no such rest.
@@ -300,6 +306,8 @@ class SystemMotion:
         if self.times.size > 1 and self._gives_way:
             self.contacts["step"] = self._in_steps(1)[1]
         potential = self._bearing(near)
+        if u is not None:
+            potential.loaded.state.u[: u.size] = u
         shape = least(potential, potential.taken())
         potential.forces(shape)
         r, u = potential.put(shape)
@@ -310,27 +318,16 @@ class SystemMotion:
 
     def _space_wheels(self) -> None:
         """Let wheels of carriages stand as far apart as rockers have them, and hauling ropes hold them there."""
-        self._advance(0.0, motion.LOCATE)
+        self._locate()
         self._carriages.space()
-        self._advance(0.0, motion.LOCATE)
+        self._locate()
         self._carriages.hold(self.structure, self.state.r)
 
     def _stand(self, *, with_loads: bool) -> None:
         """Let bodies move along with the line; where they do not rest on it, with springs without force but weights."""
         axes, state, resting = self.rest.shape[0], self.state, self.state.u.copy()
-        self._advance(0.0, motion.LOCATE)
-        for wheel, contact in zip(self.loading.wheels, self.contacts, strict=True):
-            if wheel.free is not None:
-                contact["speed"] = wheel.free.speed / np.linalg.norm(contact["along"])
-        for contact in self.contacts:
-            if contact["kind"] != BODY:
-                continue
-            own = contact["first"] + np.arange(axes)
-            if contact["state"] == ON:
-                near = slice(contact["near"], contact["near"] + WIDTH)
-                weight = contact["weight"][: state.v[0, near].size]
-                state.u[own] = contact["p"][:axes]
-                state.w[own] = state.v[:, near] @ weight + contact["speed"] * contact["along"][:axes]
+        self._locate()
+        stand_on_lines(self.loading.wheels, self.contacts, state)
         load_springs(self.bodies, state.u, state.w)
         for tether in self.bodies.tethers:
             first, above = int(tether["first"]), int(self.contacts[tether["contact"]]["first"])
@@ -347,10 +344,14 @@ class SystemMotion:
             self._carriages.pay_out(self.structure, self._buffers, state.r, state.u)
         self.contacts["comes"] = 0
         self._look()
+        self._crabs.hold(state)
         self._buffers.before[:] = self._buffers.strain
 
     def _advance(self, dt: float, steps: int) -> float:
         return float(self._system().advance(dt, steps)[1])
+
+    def _locate(self) -> float:
+        return self._advance(0.0, motion.LOCATE)
 
     def _look(self) -> float:
         """Find all forces; returns the energy stored in the lines and at contacts, J."""
@@ -417,7 +418,7 @@ class SystemMotion:
         frames = self._builder.build(at)
         self._doubt_speeds(at.t, at.contacts)
         doubt_saddles(self._scenario, self.run_info, frames, self.layout.node_line)
-        if self._carriages.rounds:
+        if self._carriages.rounds or self._crabs.each:
             doubt_wheels(self._scenario, self.run_info, frames, self.loading.wheels)
             judge_hauling_ropes(self._scenario, self.run_info, frames, self.loading.wheels, self.layout.node_line)
         self._ask_friction(frames, at.contacts)
