@@ -78,6 +78,16 @@ def test_clearance_is_the_least_height_of_the_floor_over_the_ground() -> None:
     assert depth == pytest.approx(-4.0, abs=0.1)  # the sag of the rope, and 1 mm of the hanger
     assert found["value"] == pytest.approx(depth - 1.5 + 9.0 - 0.05 * found["x"], abs=2e-3)
     assert found["x"] == pytest.approx(30.0, abs=0.5)
+    assert "ground" not in result.attrs["warnings"]
+
+
+def test_a_cabin_that_would_be_in_the_ground_is_remarked() -> None:
+    cabin = {"mass": 200.0, "hanger": 4.0, "floor": 1.5}
+    result = run({"car": car(cabin=cabin)}, 0.05, outputs={"ground": [[0.0, -5.0], [60.0, -5.0]]})
+    found = summary(result)["clearance"]["car.cabin"]
+    assert found["value"] < -0.5
+    told = next(line for line in result.attrs["warnings"].splitlines() if "ground" in line)
+    assert told.startswith(f"car.cabin comes {-found['value']:.3g} m below the ground of outputs.ground, at x = ")
 
 
 def test_wheels_that_would_leave_the_rope_are_doubted() -> None:

@@ -10,6 +10,7 @@ from ropewalk.model.carriage import Carriage
 from ropewalk.results.contact_statistics import contacts_by_load, scenario_of
 from ropewalk.results.contract import path_name
 from ropewalk.results.frame import Array
+from ropewalk.results.ground import heights
 from ropewalk.results.hauling import hauling
 
 if TYPE_CHECKING:
@@ -165,12 +166,12 @@ def deflection(place: Array, x: float, radius: float) -> Array:
 def _clearance(dataset: xr.Dataset, scenario: Scenario, carriages: dict[str, Carriage]) -> dict[str, Summary]:
     if not scenario.outputs.ground:
         return {}
-    x, z = np.array(scenario.outputs.ground).T
+    ground = np.array(scenario.outputs.ground)
     found: dict[str, Summary] = {}
 
     def note(name: str, place: Array, below: float) -> None:
         """Of places (instant, point, axis) in m whose lowest point is so far below."""
-        height = place[..., -1] - below - np.interp(place[..., 0], x, z, left=np.nan, right=np.nan)
+        height = heights(place, below, ground)
         if (both := _both(height, "m", dataset)) is not None:
             i = np.unravel_index(int(np.nanargmin(height)), height.shape)
             found[name] = both["min"] | {"x": float(place[(*i, 0)])}
