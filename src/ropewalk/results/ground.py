@@ -36,7 +36,7 @@ class GroundWatch:
     """
 
     def __init__(self, layout: Layout, scenario: Scenario) -> None:
-        self._ground: Array = np.array(scenario.outputs.ground, dtype=float).reshape(-1, 2)
+        self._ground: Array = np.array(scenario.outputs.ground or (), dtype=float).reshape(-1, 2)
         self._path = layout.path
         nodes, bodies = np.array(layout.node_line), list(layout.body)
         self._watched = [("position", name, np.flatnonzero(nodes == name), 0.0) for name in scenario.lines]
