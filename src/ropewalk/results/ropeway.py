@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ropewalk.model.carriage import Carriage
+from ropewalk.model.carriage import Carriage, Haul
 from ropewalk.results.contact_statistics import contacts_by_load, scenario_of
 from ropewalk.results.contract import path_name
 from ropewalk.results.frame import Array
@@ -64,9 +64,42 @@ def _both(values: Array, unit: str, dataset: xr.Dataset, of: list[str] | None = 
     return found
 
 
+def courses(dataset: xr.Dataset) -> dict[str, dict[str, tuple[Array, str]]]:
+    """What carriages go through, over the output instants, with units: (instant,), of wheel loads (instant, wheel).
+
+    `wheel_load` across the rope, `sway` and `side_sway` of the hanger, `pull` and `counter_pull` of its ropes at the
+    carriage, `drive_tension` at the drive and `drive_ratio` over its sheave, as `ropeway_summary` has them; those
+    that a carriage has.
+    """
+    scenario = scenario_of(dataset)
+    return {name: _course(dataset, scenario, name, load) for name, load in (_carriages(scenario) if scenario else ())}
+
+
+def _course(dataset: xr.Dataset, scenario: Scenario, name: str, load: Carriage) -> dict[str, tuple[Array, str]]:
+    wheels, bodies = contacts_by_load(dataset, Carriage)[name], dataset["body"].values.tolist()
+    found = {"wheel_load": (wheel_loads(dataset, name), "N")}
+    if load.cabin is not None:
+        cabin = dataset["body_position"].values[:, bodies.index(f"{name}.cabin")]
+        hanger = cabin - dataset["contact_position"].values[:, wheels].mean(axis=1)
+        found["sway"] = np.arctan2(hanger[:, 0], -hanger[:, -1]), "rad"
+        if hanger.shape[1] == 3:
+            found["side_sway"] = np.arctan2(hanger[:, 1], -hanger[:, 2]), "rad"
+    if (haul := _haul_of(scenario, name)) is not None:
+        force = dataset["hold_force"].values[:, wheels].sum(axis=1)
+        line = dataset["position"].values[:, dataset["line"].values == load.on]
+        place = dataset["contact_position"].values[:, wheels].mean(axis=1)
+        ropes = hauling(haul, scenario.gravity, force, place, line)
+        found |= {"pull": (ropes.pull, "N"), "drive_tension": (ropes.drive, "N")}
+        if haul.counter is not None:
+            found["counter_pull"] = ropes.counter, "N"
+        if haul.sheave is not None:
+            found["drive_ratio"] = ropes.ratio, "1"
+    return found
+
+
 def _carriage(dataset: xr.Dataset, scenario: Scenario, name: str, load: Carriage) -> Summary:
-    wheels = contacts_by_load(dataset, Carriage)[name]
-    across = wheel_loads(dataset, name)
+    wheels, course = contacts_by_load(dataset, Carriage)[name], _course(dataset, scenario, name, load)
+    across = course["wheel_load"][0]
     tension = dataset["contact_tension"].values[:, wheels].min(axis=2)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(across > 0.0, tension / across, np.nan)
@@ -79,28 +112,21 @@ def _carriage(dataset: xr.Dataset, scenario: Scenario, name: str, load: Carriage
         "tension_ratio": None if least is None else least["min"],
         "transverse_ratio": None if transverse is None else transverse["min"],
     }
-    bodies = dataset["body"].values.tolist()
-    if load.cabin is not None:
-        cabin = dataset["body_position"].values[:, bodies.index(f"{name}.cabin")]
-        hanger = cabin - dataset["contact_position"].values[:, wheels].mean(axis=1)
-        found["sway"] = _both(np.arctan2(hanger[:, 0], -hanger[:, -1]), "rad", dataset)
-        if hanger.shape[1] == 3:
-            found["side_sway"] = _both(np.arctan2(hanger[:, 1], -hanger[:, 2]), "rad", dataset)
-    ends = [name, *(other for other, own in _carriages(scenario) if own.haul and own.haul.over_to == name)]
-    haul = next((own.haul for other, own in _carriages(scenario) if other in ends and own.haul), None)
-    if haul is not None:
-        force = dataset["hold_force"].values[:, wheels].sum(axis=1)
-        line = dataset["position"].values[:, dataset["line"].values == load.on]
-        place = dataset["contact_position"].values[:, wheels].mean(axis=1)
-        ropes = hauling(haul, scenario.gravity, force, place, line)
-        found["pull"], found["drive_tension"] = _both(ropes.pull, "N", dataset), _both(ropes.drive, "N", dataset)
-        if haul.counter is not None:
-            found["counter_pull"] = _both(ropes.counter, "N", dataset)
-        if haul.sheave is not None:
-            friction = float(np.exp(haul.sheave.friction * haul.sheave.wrap))
-            sides = _both(ropes.ratio, "1", dataset)
-            found["drive_ratio"] = None if sides is None else sides["max"] | {"friction_bears": friction}
+    for key in ("sway", "side_sway", "pull", "drive_tension", "counter_pull"):
+        if key in course:
+            found[key] = _both(*course[key], dataset)
+    haul = _haul_of(scenario, name)
+    if haul is not None and haul.sheave is not None:
+        friction = float(np.exp(haul.sheave.friction * haul.sheave.wrap))
+        sides = _both(*course["drive_ratio"], dataset)
+        found["drive_ratio"] = None if sides is None else sides["max"] | {"friction_bears": friction}
     return found
+
+
+def _haul_of(scenario: Scenario, name: str) -> Haul | None:
+    """The hauling rope of a carriage, be it its own or that of another one over a pulley."""
+    own = {other: load.haul for other, load in _carriages(scenario) if load.haul is not None}
+    return own.get(name) or next((haul for haul in own.values() if haul.over_to == name), None)
 
 
 def _carriages(scenario: Scenario) -> list[tuple[str, Carriage]]:

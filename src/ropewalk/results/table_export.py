@@ -15,6 +15,7 @@ from ropewalk.results.display_units import DisplayUnits
 from ropewalk.results.files import ResultError
 from ropewalk.results.frame import Array
 from ropewalk.results.line_response import histories
+from ropewalk.results.ropeway import courses
 from ropewalk.results.statistics import blocks, lines, sag, summary
 
 if TYPE_CHECKING:
@@ -233,6 +234,7 @@ def _series(dataset: xr.Dataset, chosen: list[int]) -> pd.DataFrame:
 
     name = path_name(dataset)
     watched = {f"{what} [{unit}]": values[chosen] for what, values, unit in histories(dataset)}
+    watched |= {what: values[chosen] for what, values in _of_carriages(dataset)}
     dataset = dataset.isel({name: chosen})
     parts = [dict([*_of_lines(block), *_of_points(block)]) for block in blocks(dataset)] or [{}]
     columns = {column: np.concatenate([part[column] for part in parts]) for column in parts[0]}
@@ -250,6 +252,14 @@ def _of_lines(dataset: xr.Dataset) -> Iterator[tuple[str, Array]]:
             yield f"{line}.largest_{quantity} [{unit}]", values.max(axis=1)
             yield f"{line}.smallest_{quantity} [{unit}]", values.min(axis=1)
         yield f"{line}.largest_sag [m]", sag(dataset, line).max(axis=1)
+
+
+def _of_carriages(dataset: xr.Dataset) -> Iterator[tuple[str, Array]]:
+    """Sway, pulls of ropes and wheel loads of carriages."""
+    for name, course in courses(dataset).items():
+        for what, (values, unit) in course.items():
+            for k, one in enumerate(np.atleast_2d(values.T)):
+                yield f"{name}.{what}{f'.{k + 1}' if values.ndim > 1 else ''} [{unit}]", one
 
 
 def _of_points(dataset: xr.Dataset) -> Iterator[tuple[str, Array]]:
