@@ -58,7 +58,7 @@ class GroundWatch:
                 found = float(height[i, j]), float(place[i, j, 0]), float(frames.path[i])
                 self._lowest[name] = min(self._lowest.get(name, found), found)
 
-    def remarks(self) -> Iterator[str]:
+    def messages(self) -> Iterator[str]:
         """What has been below the ground."""
         for name, (height, x, when) in self._lowest.items():
             if height < 0.0:

@@ -69,6 +69,6 @@ VIEWS_OF_CARRIAGES: Mapping[str, Callable[[xr.Dataset, Axes], None]] = {
 
 def seen_of_carriages(dataset: xr.Dataset) -> list[str]:
     """The views in which there is something to see."""
-    shown = {key for course in courses(dataset).values() for key in course}
+    present = {key for course in courses(dataset).values() for key in course}
     return [view for view, key in (("sway", "sway"), ("hauling_rope", "pull"), ("wheel_load", "wheel_load"))
-            if key in shown]  # fmt: skip
+            if key in present]  # fmt: skip
