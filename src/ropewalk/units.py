@@ -138,7 +138,10 @@ def _read(text: str, unit: str) -> float:
         return number
     factor, dimension = _product(rest, unit)
     if dimension != _product(unit, unit)[1]:
-        raise Refused(f"{rest} does not fit: expected {_meaning(unit)}", _recased(rest, unit) or _write_it(unit))
+        remedy = _recased(rest, unit) or _write_it(unit)
+        if unit == "kg" and dimension == (1, 1, -2):  # of a force
+            remedy = f"write it in kg: {float(exact * factor) / 9.81:.4g} kg weigh as much"
+        raise Refused(f"{rest} does not fit: expected {_meaning(unit)}", remedy)
     try:
         return float(exact * factor)
     except OverflowError:

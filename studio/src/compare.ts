@@ -20,7 +20,10 @@ export function differences(now: Numbers, beside: Numbers): [string, string, str
     if (!other || other[1] !== unit) continue;
     const size = Math.max(Math.abs(value), Math.abs(other[0]));
     if (!(Math.abs(value - other[0]) > 1e-6 * size)) continue;
-    const part = other[0] ? `${told(Number(((100 * (value - other[0])) / Math.abs(other[0])).toPrecision(3)))} %` : "–";
+    const part =
+      Math.abs(other[0]) > 1e-9 * size
+        ? `${told(Number(((100 * (value - other[0])) / Math.abs(other[0])).toPrecision(3)))} %`
+        : "–";
     found.push([name, told(value, unit), told(other[0], unit), part]);
   }
   return found;

@@ -1,3 +1,4 @@
+import type { ByHand } from "./byhand";
 import { type Connection, Latest } from "./connection";
 import type { Frame, Layout } from "./film";
 import { element } from "./player";
@@ -26,11 +27,12 @@ interface Pose {
   contact: string;
   weight?: number;
   wind?: number; // m/s; not there: as the scenario says
-  line: Record<string, unknown>;
+  line: ByHand["line"];
 }
 
 interface Told {
-  shown: (scene: { layout: Layout; frame: Frame }) => void;
+  shown: (scene: { layout: Layout; frame: Frame }, load: string) => void;
+  taken: (hand: ByHand) => boolean;
   failed: (why: string) => void;
   released: (pose: Pose) => void;
 }
@@ -43,6 +45,7 @@ export class Drag {
   private loads: Load[] = [];
   private load?: Load;
   private pose?: Pose;
+  private gravity = 9.81;
   private view?: View;
   private grabbed = ""; // "load", or the name of a support
   private latest = new Latest<{ pose: Pose; since: number }>(({ pose, since }) => this.ask(pose, since));
@@ -66,6 +69,7 @@ export class Drag {
   /** Take up a scenario that the server has made ready. */
   begin(head: Record<string, unknown>, contact = ""): void {
     this.loads = head.loads as Load[];
+    this.gravity = head.gravity as number;
     this.take(this.loads[0], contact);
     if (!this.load) {
       this.stage.hint = "Run shows this scenario.";
@@ -73,6 +77,13 @@ export class Drag {
       const why = "Nothing here can be dragged: forces and masses on lines can. Run it instead.";
       this.place.replaceChildren(element("p", { class: "hint" }, why));
     }
+  }
+
+  /** What is other than in the text. */
+  get byHand(): ByHand | undefined {
+    if (!this.load || !this.pose) return undefined;
+    const { weight, wind, line } = this.pose;
+    return { load: this.load.name, on: this.load.on, gravity: this.gravity, weight, wind, line };
   }
 
   leave(): void {
@@ -119,7 +130,7 @@ export class Drag {
     this.view ??= this.room(scene);
     this.fit(scene);
     this.stage.show(scene, this.view);
-    this.told.shown(scene);
+    this.told.shown(scene, pose.load);
     requestAnimationFrame(() => {
       this.delays.push(performance.now() - since);
       if (this.delays.length > 2000) this.delays.shift();
@@ -229,6 +240,12 @@ export class Drag {
     go.onclick = () => this.pose && this.told.released(this.pose);
     const reset = element("button", { type: "button" }, "As in the file");
     reset.onclick = () => this.take(load, this.pose?.contact);
+    const keep = element(
+      "button",
+      { type: "button", title: "Write what was changed by hand into the text" },
+      "Into the text",
+    );
+    keep.onclick = () => this.byHand && this.told.taken(this.byHand);
     const { line, force } = load;
     const span = Math.hypot(...line.end.map((e, a) => e - line.start[a]));
     const change = (key: string) => (value: number) => this.want({ line: { ...this.pose?.line, [key]: value } });
@@ -261,7 +278,7 @@ export class Drag {
         this.want({ wind, line: { wind_drag: line.wind_drag || WIDTH, ...this.pose?.line } });
       }),
       this.slider("width in wind", "m", line.wind_drag || WIDTH, 0.001, 0.1, change("wind_drag")),
-      element("div", { class: "row" }, go, reset),
+      element("div", { class: "row" }, go, reset, keep),
     );
   }
 }

@@ -7,6 +7,9 @@ export interface Step {
   beside?: string;
   do: string;
   contact?: string;
+  expect: [string, string][]; // what is read, and its number
+  pace?: number; // how fast a run is played
+  larger?: number; // by how much its displacements are exaggerated
 }
 
 /** A story in steps. */
@@ -52,7 +55,13 @@ export class Lesson {
       list,
       element("h2", {}, `${this.now + 1}. ${step.title}`),
       element("p", {}, step.text),
-      next,
+      element("h2", {}, "To be read"),
+      element(
+        "dl",
+        { class: "numbers" },
+        ...step.expect.flatMap(([what, number]) => [element("dt", {}, what), element("dd", {}, number)]),
+      ),
+      element("p", {}, next),
     );
   }
 }

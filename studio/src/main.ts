@@ -1,3 +1,4 @@
+import { type ByHand, intoText, saidByHand } from "./byhand";
 import type { Sweep } from "./cases";
 import { besides, type Models, models } from "./compare";
 import { Connection } from "./connection";
@@ -61,13 +62,14 @@ const swept = element("div");
 const computeSweep = element("button", { type: "button" }, "Compute the sweep");
 
 const tabs = {
-  values: element("div", { class: "tab" }, values, element("h2", {}, "Numbers"), numbers),
+  values: element("div", { class: "tab" }, values),
   form: element("div", { class: "tab", hidden: "" }, filled),
   text: element("div", { class: "tab text", hidden: "" }, written, problems),
   result: element("div", { class: "tab", hidden: "" }, said, exports, summary, compareModels, compared),
   sweep: element("div", { class: "tab", hidden: "" }, swept),
   lesson: element("div", { class: "tab", hidden: "" }, lessons),
 };
+const measured = element("div", {}, element("h2", {}, "Numbers"), numbers); // in the tab that is shown: of a lesson, too
 const names = { values: "Values", form: "Form", text: "Text", result: "Result", sweep: "Sweep", lesson: "Lesson" };
 const bar = element("div", { class: "tabs", role: "tablist" });
 const buttons = new Map<string, HTMLButtonElement>();
@@ -85,6 +87,7 @@ function show(key: string): void {
     tab.hidden = name !== key;
     buttons.get(name)?.setAttribute("aria-selected", `${name === key}`);
   }
+  if (key === "values" || key === "lesson") tabs[key].append(measured);
   if (key === "form") form.show(editor.text);
 }
 
@@ -132,8 +135,9 @@ const form = new Form(filled, {
   redo: () => editor.redo(),
 });
 const dragging = new Drag(server, stage, canvas, values, {
-  shown: (scene) => numbersShown(scene),
+  shown: (scene, load) => numbersShown(scene, load),
   failed: (why) => tell(why, true),
+  taken: takeOver,
   released: (pose) => compute("release", { pose }),
 });
 const sweeps = new SweepTab(swept, server, computeSweep, {
@@ -159,10 +163,21 @@ function mark(): void {
   save.disabled = !changed || !file.name;
 }
 
-function numbersShown(scene: { layout: Film["layout"]; frame: Record<string, Float32Array> }): void {
-  numbers.replaceChildren(
-    ...numbersOf(scene, scene.frame).flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]),
-  );
+function numbersShown(scene: { layout: Film["layout"]; frame: Record<string, Float32Array> }, dragged = ""): void {
+  const rows = numbersOf(scene, scene.frame, dragged);
+  numbers.replaceChildren(...rows.flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]));
+}
+
+/** Write what was changed by hand into the text. */
+function takeOver(hand: ByHand): boolean {
+  try {
+    editor.change(intoText(editor.text, hand));
+  } catch (problem) {
+    tell(problem instanceof Error ? problem.message : String(problem), true);
+    return false;
+  }
+  tell(`in the text now: ${saidByHand(hand).join("; ")}`);
+  return true;
 }
 player.shown = (shown, frame) => numbersShown({ layout: shown.layout, frame });
 
@@ -308,6 +323,10 @@ drag.onclick = () => {
 };
 run.onclick = async () => {
   await opening; // it is meant, not what it replaces
+  const hand = dragging.byHand;
+  const said = hand ? saidByHand(hand) : [];
+  const asked = `By hand, and not in the text: ${said.join("; ")}.\n\nOK: write it into the text and run that. Cancel: run the text as it stands.`;
+  if (hand && said.length && confirm(asked) && !takeOver(hand)) return;
   compute("run", { text: editor.text, name: file.name || "scenario.yaml" });
 };
 stop.onclick = () => server.tell("stop");
@@ -470,6 +489,7 @@ async function begin(step: Step): Promise<void> {
   editor.text = clean;
   if (!tabs.form.hidden) form.show(clean);
   mark();
+  player.choose(step.pace ?? 1, step.larger ?? 1);
   if (step.do === "drag") return prepare(step.contact);
   dragging.leave();
   if (running) return;
@@ -495,13 +515,16 @@ addEventListener("keydown", (event) => {
   if (control && event.key === "s") {
     if (!save.disabled) save.click();
   } else if (control && event.key === "Enter") run.click();
-  else if (event.target === canvas || event.target === document.body) {
+  else {
     const by = event.key === "ArrowRight" ? 1 : event.key === "ArrowLeft" ? -1 : 0;
+    const target = event.target as HTMLElement;
+    const isOurs = target === canvas || target === document.body;
+    if (!isOurs && !(by && (target.tagName === "BUTTON" || target.getAttribute("aria-label") === "Time"))) return;
     if (event.key === " ") player.toggle();
     else if (by && player.isActive) player.step(by);
     else if (by) dragging.nudge(by);
     else return;
-  } else return;
+  }
   event.preventDefault();
 });
 addEventListener("beforeunload", (event) => {

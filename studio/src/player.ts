@@ -81,6 +81,14 @@ export class Player {
     };
   }
 
+  /** Play so fast, and draw displacements so much larger; values that the lists have. */
+  choose(speed: number, exaggeration: number): void {
+    this.pace.value = `${speed}`;
+    this.larger.value = `${exaggeration}`;
+    this.pace.onchange?.(new Event("change"));
+    this.larger.onchange?.(new Event("change"));
+  }
+
   /** The run that is drawn beside. */
   get other(): Film | undefined {
     return this.beside;
@@ -239,27 +247,36 @@ export function viewOf(film: Film, beside?: Film): View {
   };
 }
 
-/** The numbers of a frame that one asks for first, as rows. */
-export function numbersOf(film: { layout: Layout }, frame: Frame): [string, string][] {
+/** The height of a load by the linear theory, m: of the point of its string that is under the load. */
+function heightInTheory(ghost: Float32Array, axes: number, x: number): number {
+  let best = 0;
+  for (let i = 0; i < ghost.length; i += axes) if (Math.abs(ghost[i] - x) < Math.abs(ghost[best] - x)) best = i;
+  return ghost[best + axes - 1];
+}
+
+/** The numbers of a frame that one asks for first, as rows, to four digits; `dragged`: the load beside a linear theory. */
+export function numbersOf(film: { layout: Layout }, frame: Frame, dragged = ""): [string, string][] {
   const axes = film.layout.axes.length;
   const { unit } = tensionsOf(film.layout, frame);
   const values = (unit === "N" ? frame.tension : frame.cell_tension) ?? new Float32Array(0); // of nets, both directions
   const high = values.reduce((a, b) => Math.max(a, b), Number.NEGATIVE_INFINITY);
   const low = values.reduce((a, b) => Math.min(a, b), Number.POSITIVE_INFINITY);
   const rows: [string, string][] = [
-    ["largest tension", written(high, unit)],
-    ["smallest tension", written(low, unit)],
+    ["largest tension", written(high, unit, 4)],
+    ["smallest tension", written(low, unit, 4)],
   ];
   film.layout.loads.slice(0, 4).forEach((name, k) => {
     const behind = frame.contact_tension?.[2 * k];
     const ahead = frame.contact_tension?.[2 * k + 1];
-    rows.push([
-      `${name}: place x, z`,
-      `${written(frame.contact_position[k * axes], "m")}, ${written(frame.contact_position[k * axes + axes - 1], "m")}`,
-    ]);
-    rows.push([`${name}: tension behind, ahead`, `${written(behind, "N")}, ${written(ahead, "N")}`]);
-    rows.push([`${name}: hold force`, written(frame.hold_force?.[k * axes], "N")]);
-    if (frame.contact_friction) rows.push([`${name}: friction needed`, written(frame.contact_friction[k], "")]);
+    const [x, z] = [frame.contact_position[k * axes], frame.contact_position[k * axes + axes - 1]];
+    rows.push([`${name}: place x, z`, `${written(x, "m", 4)}, ${written(z, "m", 4)}`]);
+    if (name === dragged && frame.ghost?.length)
+      rows.push([`${name}: z by the linear theory`, written(heightInTheory(frame.ghost, axes, x), "m", 4)]);
+    const down = frame.contact_force?.[k * axes + axes - 1];
+    rows.push([`${name}: contact force, downwards`, written(down === undefined ? Number.NaN : -down, "N", 4)]);
+    rows.push([`${name}: tension behind, ahead`, `${written(behind, "N", 4)}, ${written(ahead, "N", 4)}`]);
+    rows.push([`${name}: hold force along x`, written(frame.hold_force?.[k * axes], "N", 4)]);
+    if (frame.contact_friction) rows.push([`${name}: friction needed`, written(frame.contact_friction[k], "", 4)]);
   });
   return rows;
 }

@@ -167,7 +167,7 @@ function curves(film: Film, colour: (name: string) => string, prefix: string): {
   if (film.has("energy") && film.layout.path === "time") {
     const [kinetic, imbalance] = [j, i].map((at) => film.series(`energy ${at}`, (f) => f.energy[at]));
     found.push({
-      title: "energy (J): kinetic, imbalance",
+      title: "energy (J): kinetic of lines, imbalance",
       curves: [
         { name: `${prefix}kinetic`, colour: colour("--accent"), values: kinetic },
         { name: `${prefix}imbalance`, colour: colour("--load"), values: imbalance },

@@ -1,3 +1,4 @@
+import { beneath } from "./beneath";
 import { stepOf, steps } from "./colours";
 import { type Frame, type Layout, tensionsOf } from "./film";
 import type { Space } from "./space";
@@ -111,6 +112,13 @@ export class Stage {
     }
     const [x, z] = this.flat(position, i * axes, axes, rest);
     return [ox + sx * x, oz + sz * z];
+  }
+
+  /** What loads and bodies of a frame are exaggerated from; nothing while nothing is. */
+  private restOf(frame: Frame, places: Float32Array): Float32Array | undefined {
+    const scene = this.scene;
+    if (!scene?.rest || this.choices.exaggeration === 1) return undefined;
+    return beneath(scene.layout, frame, scene.rest.position, places);
   }
 
   private flat(p: Float32Array, at: number, axes: number, rest?: Float32Array): [number, number] {
@@ -235,8 +243,9 @@ export class Stage {
     const isNamed = (kind: string, name: string) =>
       this.doubted.some((key) => `${key}.`.startsWith(`${kind}.${name}.`) || `${kind}.${name}.`.startsWith(`${key}.`));
     const places: [number, number][] = [];
+    const loadsAtRest = this.restOf(frame, frame.contact_position);
     layout.loads.forEach((name, k) => {
-      if (isNamed("loads", name)) places.push(this.at(frame.contact_position, k));
+      if (isNamed("loads", name)) places.push(this.at(frame.contact_position, k, loadsAtRest));
     });
     for (const [name, first, count] of layout.nodes)
       if (isNamed("lines", name)) places.push(this.at(frame.position, first + (count >> 1), rest?.position));
@@ -341,14 +350,16 @@ export class Stage {
   private marks(ink: CanvasRenderingContext2D, frame: Frame, fill: string): void {
     const axes = this.scene?.layout.axes.length ?? 2;
     ink.fillStyle = fill;
-    for (const places of [frame.body_position, frame.contact_position])
+    for (const places of [frame.body_position, frame.contact_position]) {
+      const rest = places && this.restOf(frame, places);
       for (let k = 0; places && k < places.length / axes; k++) {
-        const [x, z] = this.at(places, k);
+        const [x, z] = this.at(places, k, rest);
         if (Number.isNaN(x)) continue;
         ink.beginPath();
         ink.arc(x, z, places === frame.contact_position ? 6.5 : 4, 0, 2 * Math.PI);
         ink.fill();
       }
+    }
   }
 
   private forces(ink: CanvasRenderingContext2D, scene: Scene, colour: (name: string) => string): void {
@@ -380,9 +391,10 @@ export class Stage {
     };
     const vector = (values: Float32Array | undefined, k: number) =>
       values ? Array.from(values.subarray(k * axes, (k + 1) * axes)) : [];
+    const loadsAtRest = this.restOf(frame, frame.contact_position);
     layout.loads.forEach((_, k) => {
       if (layout.loads.length > 12) return;
-      const at = this.at(frame.contact_position, k);
+      const at = this.at(frame.contact_position, k, loadsAtRest);
       const [force, hold] = [vector(frame.contact_force, k), vector(frame.hold_force, k)];
       one(
         at,
@@ -469,9 +481,10 @@ export class Stage {
     }
     ink.fillStyle = colour("--ink");
     ink.textAlign = "left";
-    ink.fillText(written(low, unit), right - w, 16);
+    const digits = written(low, unit) === written(high, unit) ? 5 : 3; // of a taut string tensions hardly differ
+    ink.fillText(written(low, unit, digits), right - w, 16);
     ink.textAlign = "right";
-    ink.fillText(written(high, unit), right, 16);
+    ink.fillText(written(high, unit, digits), right, 16);
     ink.fillText("tension", right - w - 8, 30);
     ink.textAlign = "left";
     if (this.scene?.ghost?.length) {

@@ -1,6 +1,7 @@
-/** A number as an engineer writes it: three digits, and a unit with a prefix. */
-export function written(value: number, unit: string): string {
+/** A number as an engineer writes it: three digits (or more), and a unit with a prefix. */
+export function written(value: number, unit: string, digits = 3): string {
   if (!Number.isFinite(value)) return "–";
+  if (value === 0) return unit ? `0 ${unit}` : "0";
   const size = Math.abs(value);
   const [factor, prefix] =
     unit === "" || size === 0
@@ -13,8 +14,9 @@ export function written(value: number, unit: string): string {
             ? [1e3, "m"]
             : [1, ""];
   const scaled = value * factor;
-  const digits = Math.abs(scaled) >= 100 ? 0 : Math.abs(scaled) >= 10 ? 1 : 2;
-  return `${scaled.toFixed(digits).replace("-", "−")}${unit ? ` ${prefix}${unit}` : ""}`;
+  const before = Math.abs(scaled) >= 1 ? Math.floor(Math.log10(Math.abs(scaled))) + 1 : 0;
+  const text = scaled.toFixed(Math.min(Math.max(digits - before, 0), digits)).replace("-", "−");
+  return `${text}${unit ? ` ${prefix}${unit}` : ""}`;
 }
 
 /** Round steps of a scale. */

@@ -60,6 +60,7 @@ REFUSED = [
     ("5 kN/m", "N", "kN/m does not fit: expected a force; write it in N"),
     ("20 degC", "m", "expected a length"),
     ("20 K", "m", "K does not fit"),
+    ("981 N", "kg", "N does not fit: expected a mass; write it in kg: 100 kg weigh as much"),
     ("nan m", "m", "cannot be read"),
     ("nan", "m", "cannot be read"),
     ("inf", "m", "cannot be read"),

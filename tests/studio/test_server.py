@@ -26,7 +26,7 @@ from ropewalk.studio.sweeps import checked_plan
 from ropewalk.studio.worker import ComputingProcess
 from studio_server import LONG, SHORT, Page, Server, got, serving
 
-pytest.importorskip("uvicorn")
+starting = pytest.importorskip("ropewalk.studio.serving")
 CODE = SHORT.replace("    kind: force\n", "    kind: stepper\n    model: evil.py:Evil\n").replace(
     "    force: [0 N, -800 N]\n    travel: {speed: 10 m/s, measured: slip, from: 0 m}\n", "    every: 1 ms\n"
 )
@@ -75,6 +75,19 @@ def test_only_who_knows_the_token_and_comes_from_here_is_served(server: Server) 
     assert got(server, own, Origin="http://evil.example")[0] == 403
     assert got(server, own, Origin="null")[0] == 403
     assert got(server, own, Origin=f"http://127.0.0.1:{server.port}")[0] in (200, 503)
+
+
+def test_who_starts_it_without_its_page_is_told_what_to_do(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(starting, "PAGE", tmp_path / "page")
+    monkeypatch.setattr(starting.uvicorn.Server, "run", lambda _, sockets: [one.close() for one in sockets])
+    starting.serve(starting.Settings(tmp_path), browser=False)
+    assert "make studio" in capsys.readouterr().err
+    (tmp_path / "page").mkdir()
+    (tmp_path / "page" / "index.html").touch()
+    starting.serve(starting.Settings(tmp_path), browser=False)
+    assert "make studio" not in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("origin", [None, "http://evil.example", "null"])

@@ -11,9 +11,11 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import root
 
 from ropewalk.model import Scenario
+from ropewalk.results.display_units import DisplayUnits
+from ropewalk.results.figures import figure_data, panels_of
 from ropewalk.results.ropeway import wheel_loads
 from ropewalk.results.statistics import summary
-from ropewalk.results.table_export import tables
+from ropewalk.results.table_export import series_table, tables
 from ropewalk.simulate import simulate
 from ropewalk.theory.rope import elastic_catenary
 
@@ -79,6 +81,16 @@ def test_clearance_is_the_least_height_of_the_floor_over_the_ground() -> None:
     assert depth == pytest.approx(-4.0, abs=0.1)  # the sag of the rope, and 1 mm of the hanger
     assert found["value"] == pytest.approx(depth - 1.5 + 9.0 - 0.05 * found["x"], abs=2e-3)
     assert found["x"] == pytest.approx(30.0, abs=0.5)
+    assert "ground" not in result.attrs["warnings"]
+
+
+def test_a_cabin_that_would_be_in_the_ground_is_remarked() -> None:
+    cabin = {"mass": 200.0, "hanger": 4.0, "floor": 1.5}
+    result = run({"car": car(cabin=cabin)}, 0.05, outputs={"ground": [[0.0, -5.0], [60.0, -5.0]]})
+    found = summary(result)["clearance"]["car.cabin"]
+    assert found["value"] < -0.5
+    told = next(line for line in result.attrs["warnings"].splitlines() if "ground" in line)
+    assert told.startswith(f"car.cabin comes {-found['value']:.3g} m below the ground of outputs.ground, at x = ")
 
 
 def test_wheels_that_would_leave_the_rope_are_doubted() -> None:
@@ -92,9 +104,28 @@ def test_wheels_that_would_leave_the_rope_are_doubted() -> None:
     assert "would leave its rope" in str(result.attrs["doubts"])
 
 
-def test_a_hauling_rope_that_brakes_what_it_pulls_is_remarked_to_be_slack() -> None:
+def test_what_a_carriage_goes_through_is_in_panels_and_tables() -> None:
+    haul = {"axial_stiffness": 5e6, "axial_damping": 5e3, "speed": 1.0, "counter": {"tension": 4e3}}
+    result = run({"car": car(haul=haul)}, 0.2)
+    found = summary(result)["carriages"]["car"]
+    assert {"sway", "hauling_rope", "wheel_load"} <= set(panels_of(result))
+    table = series_table(result)
+    assert table["car.sway [rad]"].to_numpy() == pytest.approx(sway(result), abs=1e-12)
+    drawn = figure_data(result, panels=["hauling_rope"], units=DisplayUnits.read("SI"))["hauling_rope"]
+    pull = drawn.loc[drawn["curve"] == "car, hauling rope"].iloc[:, 2].to_numpy(dtype=float)
+    for key, pick in (("max", np.max), ("min", np.min)):
+        wheels = table[[f"car.wheel_load.{k} [N]" for k in (1, 2, 3, 4)]].to_numpy()
+        assert found["wheel_load"][key]["value"] == pytest.approx(pick(wheels))
+        assert found["pull"][key]["value"] == pytest.approx(pick(table["car.pull [N]"].to_numpy()))
+        assert found["pull"][key]["value"] == pytest.approx(pick(pull), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "counter", [{}, {"counter": {"tension": 1e3, "mass": 1.0}}], ids=["alone", "with a counter rope"]
+)
+def test_a_hauling_rope_that_brakes_what_it_pulls_is_remarked_to_be_slack(counter: dict[str, Any]) -> None:
     speed = {"time": [0.0, 0.2, 0.5], "value": [2.0, 2.0, 0.0]}
-    haul = {"axial_stiffness": 5e6, "axial_damping": 5e3, "speed": speed}
+    haul = {"axial_stiffness": 5e6, "axial_damping": 5e3, "speed": speed, **counter}
     result = run({"car": car(haul=haul, cabin=None)}, 0.5)
     assert "hauling rope of car is slack" in result.attrs["warnings"]
 

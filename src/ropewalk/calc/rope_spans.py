@@ -81,8 +81,8 @@ span = Calculator(
         force("end_tension", "at the second anchor"),
         angle("start_angle", "by which the rope falls from the first anchor"),
         angle("end_angle", "by which it falls from the second anchor"),
-        depth("bare_sag", "sag without the load"),
-        force("bare_tension", "level part of the tension without the load"),
+        depth("bare_sag", "sag without the load, the rope being anchored at both ends"),
+        force("bare_tension", "level part of the tension without the load, likewise"),
     ),
     {
         "bare": bare,

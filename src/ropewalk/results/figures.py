@@ -23,6 +23,7 @@ from ropewalk.results.frame import Array
 from ropewalk.results.nets import is_spatial
 from ropewalk.results.page import Page
 from ropewalk.results.response_views import VIEWS_OF_PLACES, seen_at_places, with_first_axles
+from ropewalk.results.ropeway_views import VIEWS_OF_CARRIAGES, seen_of_carriages
 from ropewalk.results.space_figure import is_long, plan, space
 from ropewalk.results.table import NOTHING, ROUND_OFF
 from ropewalk.results.views import VIEWS, any_of, headline
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-ALL_VIEWS = (*VIEWS, *VIEWS_OF_PLACES, "space", "plan")
+ALL_VIEWS = (*VIEWS, *VIEWS_OF_PLACES, *VIEWS_OF_CARRIAGES, "space", "plan")
 WHOLE_ROW = ("shapes", "space", "pantograph_height", "droppers")  # panels that need all of the width
 TALL = {"shapes": 1.4, "space": 2.3, FORCE: 1.3, "plan": 1.5}  # heights of panels beside that of others
 SLIM = 0.7  # and of the plan of what is long
@@ -138,7 +139,8 @@ def panels_of(dataset: xr.Dataset) -> list[str]:
         "contact_friction": not in_time and any_of(dataset, "contact_friction"),
         "reactions": any_of(dataset, "reaction"),
     }
-    return [*first, *seen_at_places(dataset), *(view for view, there in wanted.items() if there)]
+    seen = [*seen_at_places(dataset), *seen_of_carriages(dataset)]
+    return [*first, *seen, *(view for view, there in wanted.items() if there)]
 
 
 def _moves(places: Array) -> bool:
@@ -219,8 +221,8 @@ def _draw(
             elif collection is not None and place.name in collection.panels:
                 collection.draw(place.name, ax)
             else:
-                view = plan if place.name == "plan" else VIEWS.get(place.name) or VIEWS_OF_PLACES[place.name]
-                view(dataset, ax)
+                views = {**VIEWS, **VIEWS_OF_PLACES, **VIEWS_OF_CARRIAGES, "plan": plan}
+                views[place.name](dataset, ax)
         show_units(fig, units or DisplayUnits.read(None))
         _share_labels(rows, drawn)
         placed = [[drawn[place.name] for place in row] for row in rows]

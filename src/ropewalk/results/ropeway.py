@@ -10,6 +10,7 @@ from ropewalk.model.carriage import Carriage, Haul
 from ropewalk.results.contact_statistics import contacts_by_load, scenario_of
 from ropewalk.results.contract import path_name
 from ropewalk.results.frame import Array
+from ropewalk.results.ground import heights
 from ropewalk.results.hauling import hauling
 
 if TYPE_CHECKING:
@@ -63,51 +64,23 @@ def _both(values: Array, unit: str, dataset: xr.Dataset, of: list[str] | None = 
     return found
 
 
-def _carriage(dataset: xr.Dataset, scenario: Scenario, name: str, load: Carriage) -> Summary:
-    wheels = contacts_by_load(dataset, Carriage)[name]
-    course = carriage_course(dataset, name)
-    across = course.pop("wheel_load")[0]
-    tension = dataset["contact_tension"].values[:, wheels].min(axis=2)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.where(across > 0.0, tension / across, np.nan)
-        whole = across.sum(axis=1)  # NaN while a wheel is off the line
-        transverse = _both(np.where(whole > 0.0, tension.min(axis=1) / whole, np.nan), "1", dataset)
-    of = [str(contact).partition(".")[2] for contact in dataset["load"].values[wheels]]
-    least = _both(ratio, "1", dataset, of)
-    sides, _ = course.pop("drive_ratio", (None, ""))
-    found: Summary = {
-        "wheel_load": _both(across, "N", dataset, of),
-        "tension_ratio": None if least is None else least["min"],
-        "transverse_ratio": None if transverse is None else transverse["min"],
-        **{quantity: _both(values, unit, dataset) for quantity, (values, unit) in course.items()},
-    }
-    if sides is not None:
-        haul = _haul_of(scenario, name)
-        assert haul is not None
-        assert haul.sheave is not None
-        friction = float(np.exp(haul.sheave.friction * haul.sheave.wrap))
-        most = _both(sides, "1", dataset)
-        found["drive_ratio"] = None if most is None else most["max"] | {"friction_bears": friction}
-    return found
+def courses(dataset: xr.Dataset) -> dict[str, dict[str, tuple[Array, str]]]:
+    """What carriages go through, over the output instants, with units: (instant,), of wheel loads (instant, wheel).
 
-
-def carriage_course(dataset: xr.Dataset, name: str) -> dict[str, tuple[Array, str]]:
-    """Give what a carriage goes through at the output instants, by quantity: values and their unit.
-
-    `wheel_load` (instant, wheel); (instant,): `sway`, `side_sway`, `pull`, `drive_tension`, `counter_pull`,
-    `drive_ratio`, see `ropeway_summary`, of those that there are.
-
-    Args:
-        dataset: a result.
-        name: of the carriage.
+    `wheel_load` across the rope, `sway` and `side_sway` of the hanger, `pull` and `counter_pull` of its ropes at the
+    carriage, `drive_tension` at the drive and `drive_ratio` over its sheave, as `ropeway_summary` has them; those
+    that a carriage has.
     """
-    scenario, wheels = scenario_of(dataset), contacts_by_load(dataset, Carriage)[name]
-    assert scenario is not None
-    load = scenario.loads[name]
-    assert isinstance(load, Carriage)
+    if (scenario := scenario_of(dataset)) is None:
+        return {}
+    return {name: _course(dataset, scenario, name, load) for name, load in _carriages(scenario)}
+
+
+def _course(dataset: xr.Dataset, scenario: Scenario, name: str, load: Carriage) -> dict[str, tuple[Array, str]]:
+    wheels, bodies = contacts_by_load(dataset, Carriage)[name], dataset["body"].values.tolist()
     found = {"wheel_load": (wheel_loads(dataset, name), "N")}
     if load.cabin is not None:
-        cabin = dataset["body_position"].values[:, dataset["body"].values.tolist().index(f"{name}.cabin")]
+        cabin = dataset["body_position"].values[:, bodies.index(f"{name}.cabin")]
         hanger = cabin - dataset["contact_position"].values[:, wheels].mean(axis=1)
         found["sway"] = np.arctan2(hanger[:, 0], -hanger[:, -1]), "rad"
         if hanger.shape[1] == 3:
@@ -125,10 +98,36 @@ def carriage_course(dataset: xr.Dataset, name: str) -> dict[str, tuple[Array, st
     return found
 
 
+def _carriage(dataset: xr.Dataset, scenario: Scenario, name: str, load: Carriage) -> Summary:
+    wheels, course = contacts_by_load(dataset, Carriage)[name], _course(dataset, scenario, name, load)
+    across = course["wheel_load"][0]
+    tension = dataset["contact_tension"].values[:, wheels].min(axis=2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.where(across > 0.0, tension / across, np.nan)
+        whole = across.sum(axis=1)  # NaN while a wheel is off the line
+        transverse = _both(np.where(whole > 0.0, tension.min(axis=1) / whole, np.nan), "1", dataset)
+    of = [str(contact).partition(".")[2] for contact in dataset["load"].values[wheels]]
+    least = _both(ratio, "1", dataset, of)
+    found: Summary = {
+        "wheel_load": _both(across, "N", dataset, of),
+        "tension_ratio": None if least is None else least["min"],
+        "transverse_ratio": None if transverse is None else transverse["min"],
+    }
+    for key in ("sway", "side_sway", "pull", "drive_tension", "counter_pull"):
+        if key in course:
+            found[key] = _both(*course[key], dataset)
+    haul = _haul_of(scenario, name)
+    if haul is not None and haul.sheave is not None:
+        friction = float(np.exp(haul.sheave.friction * haul.sheave.wrap))
+        sides = _both(*course["drive_ratio"], dataset)
+        found["drive_ratio"] = None if sides is None else sides["max"] | {"friction_bears": friction}
+    return found
+
+
 def _haul_of(scenario: Scenario, name: str) -> Haul | None:
-    """The hauling rope at a carriage, its own or that which comes over a pulley from another one."""
-    ends = [name, *(other for other, own in _carriages(scenario) if own.haul and own.haul.over_to == name)]
-    return next((own.haul for other, own in _carriages(scenario) if other in ends and own.haul), None)
+    """The hauling rope of a carriage, be it its own or that of another one over a pulley."""
+    own = {other: load.haul for other, load in _carriages(scenario) if load.haul is not None}
+    return own.get(name) or next((haul for haul in own.values() if haul.over_to == name), None)
 
 
 def _carriages(scenario: Scenario) -> list[tuple[str, Carriage]]:
@@ -194,12 +193,12 @@ def deflection(place: Array, x: float, radius: float) -> Array:
 def _clearance(dataset: xr.Dataset, scenario: Scenario, carriages: dict[str, Carriage]) -> dict[str, Summary]:
     if not scenario.outputs.ground:
         return {}
-    x, z = np.array(scenario.outputs.ground).T
+    ground = np.array(scenario.outputs.ground)
     found: dict[str, Summary] = {}
 
     def note(name: str, place: Array, below: float) -> None:
         """Of places (instant, point, axis) in m whose lowest point is so far below."""
-        height = place[..., -1] - below - np.interp(place[..., 0], x, z, left=np.nan, right=np.nan)
+        height = heights(place, below, ground)
         if (both := _both(height, "m", dataset)) is not None:
             i = np.unravel_index(int(np.nanargmin(height)), height.shape)
             found[name] = both["min"] | {"x": float(place[(*i, 0)])}

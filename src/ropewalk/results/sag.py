@@ -83,7 +83,7 @@ def _nodes(dataset: xr.Dataset, line: str) -> tuple[Array, Array]:
 def _contacts(dataset: xr.Dataset, line: str) -> tuple[Array, Array]:
     """Places of the contacts of a line, and their xi, m; NaN where they do not touch it."""
     on = _lines_of_loads(str(dataset.attrs.get("scenario", "")))
-    own = [k for k, load in enumerate(dataset["load"].values.tolist()) if on.get(load.partition(".")[0]) == line]
+    own = [k for k, load in enumerate(dataset["load"].values.tolist()) if on.get(load, on.get(_name(load))) == line]
     touch = dataset["contact_state"].values[:, own] > IN_AIR
     place, xi = dataset["contact_position"].values[:, own], dataset["contact_xi"].values[:, own]
     return np.where(touch[..., None], place, np.nan), np.where(touch, xi, np.nan)
@@ -91,11 +91,17 @@ def _contacts(dataset: xr.Dataset, line: str) -> tuple[Array, Array]:
 
 @lru_cache(maxsize=4)
 def _lines_of_loads(text: str) -> dict[str, str]:
-    """The line of each load; of those on several, none."""
+    """The line of each load; of those on several, of each contact."""
     try:
-        return {name: load["on"] for name, load in json.loads(text)["loads"].items() if isinstance(load["on"], str)}
-    except (ValueError, KeyError, TypeError):
+        loads = json.loads(text)["loads"]
+        several = {f"{name}.{line}": line for name, load in loads.items() for line in load.get("also_on") or ()}
+        return several | {name: str(load["on"]) for name, load in loads.items()}
+    except (ValueError, KeyError, TypeError, AttributeError):
         return {}
+
+
+def _name(contact: str) -> str:
+    return contact.partition(".")[0]
 
 
 def _onward(away: Array, of_line: Array) -> tuple[Array, Array]:

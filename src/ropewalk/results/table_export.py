@@ -10,14 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ropewalk.model.carriage import Carriage
-from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contract import path_name
 from ropewalk.results.display_units import DisplayUnits
 from ropewalk.results.files import ResultError
 from ropewalk.results.frame import Array
 from ropewalk.results.line_response import histories
-from ropewalk.results.ropeway import carriage_course
+from ropewalk.results.ropeway import courses
 from ropewalk.results.sag import sag
 from ropewalk.results.statistics import blocks, lines, summary
 
@@ -237,8 +235,9 @@ def _series(dataset: xr.Dataset, chosen: list[int]) -> pd.DataFrame:
 
     name = path_name(dataset)
     watched = {f"{what} [{unit}]": values[chosen] for what, values, unit in histories(dataset)}
+    watched |= {what: values[chosen] for what, values in _of_carriages(dataset)}
     dataset = dataset.isel({name: chosen})
-    parts = [dict([*_of_lines(block), *_of_points(block), *_of_carriages(block)]) for block in blocks(dataset)] or [{}]
+    parts = [dict([*_of_lines(block), *_of_points(block)]) for block in blocks(dataset)] or [{}]
     columns = {column: np.concatenate([part[column] for part in parts]) for column in parts[0]}
     columns |= watched
     head = f"{name} [{dataset[name].attrs['units']}]"
@@ -256,6 +255,14 @@ def _of_lines(dataset: xr.Dataset) -> Iterator[tuple[str, Array]]:
         yield f"{line}.largest_sag [m]", np.fmax.reduce(sag(dataset, line).value, axis=1)
 
 
+def _of_carriages(dataset: xr.Dataset) -> Iterator[tuple[str, Array]]:
+    """Sway, pulls of ropes and wheel loads of carriages."""
+    for name, course in courses(dataset).items():
+        for what, (values, unit) in course.items():
+            for k, one in enumerate(np.atleast_2d(values.T)):
+                yield f"{name}.{what}{f'.{k + 1}' if values.ndim > 1 else ''} [{unit}]", one
+
+
 def _of_points(dataset: xr.Dataset) -> Iterator[tuple[str, Array]]:
     """All quantities of points that have names: a column for each component."""
     path = path_name(dataset)
@@ -271,18 +278,6 @@ def _of_points(dataset: xr.Dataset) -> Iterator[tuple[str, Array]]:
                 else:
                     for j, part in enumerate(dataset[str(values.dims[1])].values.tolist()):
                         yield f"{what}.{part} [{unit}]", values.values[:, j]
-
-
-def _of_carriages(dataset: xr.Dataset) -> Iterator[tuple[str, Array]]:
-    """Wheel loads, sway and hauling ropes of every carriage."""
-    scenario = scenario_of(dataset)
-    for name, load in scenario.loads.items() if scenario is not None else ():
-        if isinstance(load, Carriage):
-            for quantity, (values, unit) in carriage_course(dataset, name).items():
-                if values.ndim == 1:
-                    yield f"{name}.{quantity} [{unit}]", values
-                else:
-                    yield from ((f"{name}.{quantity}.{j} [{unit}]", own) for j, own in enumerate(values.T, 1))
 
 
 def _alone(quantity: str) -> str:

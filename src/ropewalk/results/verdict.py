@@ -14,6 +14,7 @@ from ropewalk.results.audit import AUDIT, turnover
 from ropewalk.results.calm import started_too_close
 from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Array, Doubt, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
+from ropewalk.results.ground import GroundWatch
 from ropewalk.results.peaks import beside, lonely, missed, sharp
 from ropewalk.results.pushing import PushWatch
 from ropewalk.results.strength import StrengthWatch
@@ -104,6 +105,7 @@ class Watch:
         self._missing = 0.0, 0.0  # support forces at rest without what they carry, and that, N
         self._balance, self._strengths = _Balance(), StrengthWatch(layout, scenario)
         self._pushing = PushWatch(layout, scenario)
+        self._over_ground = GroundWatch(layout, scenario)
         self._force = array("d")  # on the line, of each sample and contact, N
         self._instants = array("d")  # of these samples, s
         self._tension = array("d")  # largest, of each frame, N
@@ -121,6 +123,7 @@ class Watch:
             self._rest(frames[i], on[i])
         self._strengths.see(frames)
         self._pushing.see(frames)
+        self._over_ground.see(frames)
         self._been |= on.any(axis=0)
         fastest = np.fmax.accumulate(np.concatenate([self._fastest[None], self._in_waves(of)]))[1:]
         self._fastest = fastest[-1]
@@ -266,6 +269,7 @@ class Watch:
         yield from started_too_close(self.scenario)
         yield from self._between_instants()
         yield from self._pushing.remarks()
+        yield from self._over_ground.messages()
         run = self.scenario.run
         if run.kind != "dynamic" or run.start.kind != "rest" or run.start.with_loads:
             return

@@ -12,6 +12,7 @@ import uvicorn
 
 from ropewalk.cli.console import fail, say
 from ropewalk.studio.server import Settings, Studio
+from ropewalk.studio.share import PAGE
 
 __all__ = ["Settings", "serve"]
 TOKEN = "ROPEWALK_STUDIO_TOKEN"
@@ -43,6 +44,8 @@ def serve(settings: Settings, port: int = 0, browser: bool = True) -> None:
     app.port = int(listening.getsockname()[1])
     address = f"http://127.0.0.1:{app.port}/{studio.token}/"
     say(f"The studio is at  {address}\nIt serves the folder {studio.folder.path} to this machine only. Ctrl-C ends it.")
+    if not (PAGE / "index.html").is_file():
+        say("note: its page is not built yet; run  make studio  in the checkout, and open the address then")
     config = uvicorn.Config(
         app, log_level="error", ws_max_size=_LARGEST_MESSAGE, limit_concurrency=_MOST_CONNECTIONS,
         ws_per_message_deflate=False, server_header=False, timeout_graceful_shutdown=3, ws_ping_interval=20.0,

@@ -20,10 +20,11 @@ from ropewalk.system.structure import Buffers
 
 # Part of the largest tension with which an inextensible line may be pushed together.
 _PUSHED = 0.1
-# Strain of a hauling rope up to which it is slack: rounding.
-_SLACK = 1e-9
 # Part of the weight of a load on several lines, with which each may draw it down: where it is set down, they differ.
 _LITTLE = 1e-2
+# Strain of a hauling rope up to which it is slack: rounding. Beside a counter rope its pull is told as a difference of
+# forces, along the chord of its wheels: of a slack one 5e-4 of the counter rope's tension were left.
+_SLACK, _REST_OF_COUNTER = 1e-9, 2e-3
 # Length of links over the smallest rocker from which on single wheels on a saddle are not resolved.
 _COARSE = 1.5
 
@@ -101,7 +102,8 @@ def judge_hauling_ropes(
         )  # fmt: skip
         if load.haul.sheave is not None:
             _doubt_slip(name, load.haul, run_info, frames.path, found)
-        slack = found.pull <= _SLACK * load.haul.axial_stiffness
+        least = _REST_OF_COUNTER * found.counter if load.haul.counter else _SLACK * load.haul.axial_stiffness
+        slack = found.pull <= least
         text = f"the hauling rope of {name} is slack at t = "
         if slack.any() and not any(warning.startswith(text) for warning in run_info.warnings):
             run_info.warnings.append(f"{text}{frames.path[int(np.argmax(slack))]:.4g} s: {name} runs by itself then")

@@ -1,0 +1,69 @@
+"""Heights over the ground of `outputs.ground`, and a remark where something would be below it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ropewalk.model.carriage import Carriage
+from ropewalk.results.frame import Array, Layout
+from ropewalk.results.frames import Frames
+
+if TYPE_CHECKING:
+    from ropewalk.model import Scenario
+
+
+def heights(place: Array, below: float, ground: Array) -> Array:
+    """Heights in m over the ground of what is so far `below` the points `place`, (..., axis) m; NaN beyond its ends.
+
+    Args:
+        place: points, x first and z last.
+        below: m.
+        ground: (corner, 2) m, x and z of its corners from the first x on.
+    """
+    x, z = ground.T
+    return np.asarray(place[..., -1] - below - np.interp(place[..., 0], x, z, left=np.nan, right=np.nan))
+
+
+class GroundWatch:
+    """What comes below the ground in a run: it is measured from, and stops nothing.
+
+    Args:
+        layout: of the frames.
+        scenario: whose lines, and cabins of carriages, are watched.
+    """
+
+    def __init__(self, layout: Layout, scenario: Scenario) -> None:
+        self._ground: Array = np.array(scenario.outputs.ground or (), dtype=float).reshape(-1, 2)
+        self._path = layout.path
+        nodes, bodies = np.array(layout.node_line), list(layout.body)
+        self._watched = [("position", name, np.flatnonzero(nodes == name), 0.0) for name in scenario.lines]
+        for name, load in scenario.loads.items():
+            cabin = f"{name}.cabin"
+            if isinstance(load, Carriage) and load.cabin is not None and cabin in bodies:
+                self._watched.append(("body_position", cabin, np.array([bodies.index(cabin)]), load.cabin.floor))
+        self._lowest: dict[str, tuple[float, float, float]] = {}  # height in m, x in m, and when
+
+    def see(self, frames: Frames) -> None:
+        """Take note of frames."""
+        if not self._ground.size:
+            return
+        for kind, name, own, below in self._watched:
+            place = frames.of[kind][:, own]
+            height = heights(place, below, self._ground)
+            if np.isfinite(height).any():
+                i, j = np.unravel_index(int(np.nanargmin(height)), height.shape)
+                found = float(height[i, j]), float(place[i, j, 0]), float(frames.path[i])
+                self._lowest[name] = min(self._lowest.get(name, found), found)
+
+    def messages(self) -> Iterator[str]:
+        """What has been below the ground."""
+        for name, (height, x, when) in self._lowest.items():
+            if height < 0.0:
+                at = f"t = {when:.4g} s" if self._path == "time" else f"load path = {when:.4g} m"
+                yield (
+                    f"{name} comes {-height:.3g} m below the ground of outputs.ground, at x = {x:.4g} m, {at}: nothing "
+                    "stops it there; raise supports or tension, or put the ground right"
+                )
