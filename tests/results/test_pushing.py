@@ -23,7 +23,7 @@ def remarked(tension: list[list[float]], **keys: Any) -> list[str]:
     watch = PushWatch(cast(Any, layout), scenario)
     for i, row in enumerate(tension):
         watch.see(cast(Any, SimpleNamespace(of={"tension": np.array([row])}, path=np.array([0.01 * i]))))
-    return list(watch.remarks())
+    return list(watch.messages())
 
 
 def test_the_line_that_pushes_most_is_named_with_its_force_and_when() -> None:

@@ -69,7 +69,7 @@ def test_the_implicit_method_feels_the_wind_as_steps_of_the_second_order_do() ->
 
 def test_what_the_air_does_in_a_step_is_booked_to_the_last_digit(monkeypatch: pytest.MonkeyPatch) -> None:
     """Steps from rest in a wind that blows aslant; the kernel as plain Python."""
-    for name in ("look_up", "_blow"):
+    for name in ("look_up", "_push_by_wind"):
         function = getattr(kernels, name)
         monkeypatch.setattr(kernels, name, getattr(function, "py_func", function))
     direction, h, steps = np.array([0.6, 0.8]), 1e-3, 2000
@@ -80,7 +80,7 @@ def test_what_the_air_does_in_a_step_is_booked_to_the_last_digit(monkeypatch: py
     )
     state: Any = SimpleNamespace(t=np.zeros(1), r=np.zeros((2, 3)), w=np.zeros(4), work=np.zeros(WORKS))
     for _ in range(steps):
-        kernels._blow(wind, bodies, state, h)
+        kernels._push_by_wind(wind, bodies, state, h)
     v = W * K * W * h * steps / (M + K * W * h * steps)
     assert state.w == pytest.approx([0.0, 0.0, *(v * direction)], rel=1e-3)  # first order
     stored = 0.5 * M * float(state.w @ state.w)

@@ -48,7 +48,7 @@ class PushWatch:
             line = self._layout.link_line[int(self._links[link])]
             self._push = float(-own[i, link]), float(frames.path[i]), line
 
-    def remarks(self) -> Iterator[str]:
+    def messages(self) -> Iterator[str]:
         """The line that pushes most, if that is much."""
         push, path, line = self._push
         if push > _MUCH * self._largest:

@@ -268,7 +268,7 @@ class Watch:
     def _diagnostics(self, force: Array) -> Iterator[str]:
         yield from started_too_close(self.scenario)
         yield from self._between_instants()
-        yield from self._pushing.remarks()
+        yield from self._pushing.messages()
         yield from self._over_ground.messages()
         run = self.scenario.run
         if run.kind != "dynamic" or run.start.kind != "rest" or run.start.with_loads:

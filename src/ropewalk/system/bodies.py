@@ -234,7 +234,7 @@ def kick(structure, contacts, bodies, state, h, half):
             state.work[DRIVEN] -= winch
     if roll(bodies.carriages):
         state.work[IN_BODIES] += h * taken_by_bars(bodies.carriages, w, old, state.r.shape[0])
-    _blow(structure.wind, bodies, state, h)
+    _push_by_wind(structure.wind, bodies, state, h)
     for i in range(bodies.gone.size):
         if bodies.gone[i] == LEAVES:
             bodies.gone[i] = GONE_FOR_GOOD
@@ -273,7 +273,7 @@ def _bear_beside(contacts, bodies, f, w, half, p):
 
 
 @lean_inner
-def _blow(wind, bodies, state, h):
+def _push_by_wind(wind, bodies, state, h):
     """Let the air slow down or take along what it drags: by the velocity of each as the air sees it.
 
     What is lost of the kinetic energy as the air sees it is dissipated; the change of momentum times the velocity of

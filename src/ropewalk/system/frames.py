@@ -275,8 +275,8 @@ class FrameBuilder:
         seen.friction[on] = FrictionDemand.of(own, self.assembled.structure, s, both, dim).needed(own)
         seen.xi[on], seen.speed[on], seen.in_air[on] = s, own["measured"], own["flown"]
         seen.state[on] = np.where(own["apart"] != 0, IN_AIR, np.where(own["speed"] != 0.0, MOVES, STICKS))
-        told = beside(own, runs, beyond.ravel(), begin)
-        seen.tension[on] = np.where(runs.firm[run][:, None] > 0.0, np.nan, told)
+        read = beside(own, runs, beyond.ravel(), begin)
+        seen.tension[on] = np.where(runs.firm[run][:, None] > 0.0, np.nan, read)
         return seen
 
     def _displayed_bodies(self, at: SystemNote) -> tuple[Array, Array]:

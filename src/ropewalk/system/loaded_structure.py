@@ -145,7 +145,7 @@ class LoadedStructure:
             if at >= self.own:
                 own.u[at : at + dim] = contacts[k]["place"][:dim]
 
-    def blow(self, t: float) -> None:
+    def set_wind(self, t: float) -> None:
         """Let the wind of time t in s push at what the air drags, as it stands still."""
         if self._carried is None:
             return

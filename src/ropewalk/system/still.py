@@ -144,7 +144,7 @@ class SystemStatics:
         potential, structure = self.potential, self._structure
         if not structure.wind.direction.any():
             return least(potential, shape)
-        self._loaded.blow(t)
+        self._loaded.set_wind(t)
         for done in range(_ROUNDS):
             r = potential.put(shape)[0]
             _add_wind_forces(structure.for_kernels, potential.buffers.for_kernels(structure), r, np.zeros_like(r), t)
