@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from ropewalk.errors import Problem, ScenarioError
 from ropewalk.linear import capabilities as linear
 from ropewalk.model._base import Finding
 from ropewalk.model.axles import Axles
@@ -241,6 +242,9 @@ def check_without_feedback(scenario: Scenario) -> None:
             raise refusal(
                 missing(("loads", name, "kind"), what, load.kind, "write kind: axles, the forces of its axles")
             )
+        if getattr(load, "also_on", ()):
+            wrong, remedy = "on rigid ground nothing tells which of its lines bears how much", "name one line only"
+            raise ScenarioError([Problem(f"loads.{name}.also_on", wrong, remedy=remedy)])
         if isinstance(load, Pantograph) or (isinstance(load, ExternalModel) and engine_of(scenario) is WIRES):
             where = "" if isinstance(load, Pantograph) else " of beams"
             remedy = "leave it out, or ask for ropewalk compare"

@@ -10,6 +10,9 @@ import xarray as xr
 from pydantic import ValidationError
 
 from crab_routes import G, hung, shares
+from ropewalk.compare.constant import ConstantForces
+from ropewalk.decouple import without_feedback
+from ropewalk.errors import RopewalkError, ScenarioError
 from ropewalk.model import Scenario
 from ropewalk.results.statistics import summary
 from ropewalk.simulate import simulate
@@ -201,3 +204,18 @@ def test_at_rest_alone_they_are_refused_and_loads_on_other_lines_of_theirs_are_m
     both = {**tree, "loads": {**tree["loads"], "other": other}, "run": {"kind": "dynamic", "until": 0.1}}
     with pytest.raises(ValidationError, match="starts at the same place as load"):
         Scenario.model_validate(both)
+
+
+def test_without_feedback_and_as_constant_forces_a_crab_is_refused_with_its_reason() -> None:
+    """What each rope bears follows from how it yields, and rigid ground does not."""
+    load = crab("a", "b", travel={"from": 30.0, "speed": 1.0, "measured": "horizontal"})
+    tree = {
+        "lines": {"a": rope(220e6), "b": rope(110e6)},
+        "loads": {"crab": load},
+        "run": {"kind": "dynamic", "until": 1},
+    }
+    asked = Scenario.model_validate(tree)
+    with pytest.raises(ScenarioError, match=r"loads\.crab\.also_on: on rigid ground"):
+        without_feedback(asked)
+    with pytest.raises(RopewalkError, match="load crab: how its lines share its weight"):
+        ConstantForces(asked, {}).forces()

@@ -141,6 +141,8 @@ class ConstantForces:
                 f"load {name}: a pantograph is pressed against its wire from below and has no weight that a force or "
                 "mass could replace"
             )
+        if getattr(load, "also_on", ()):
+            raise RopewalkError(f"load {name}: how its lines share its weight follows from how they yield on the way")
         if isinstance(load, Travelling):
             return [(wheel.name, wheel) for wheel in wheels_of(self.scenario) if wheel.load == name]
         return [(name, None)]
