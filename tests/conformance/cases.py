@@ -59,6 +59,11 @@ def loads() -> Iterator[Case]:
             yield Case("loads", row, s.name, " and ".join(pair), scenario(s, trees))
 
 
+def crab(s: Structure, moved: Tree) -> Tree:
+    """A trolley that the second rope carries, too."""
+    return load(s, "trolley", moved, also_on=["second"])
+
+
 PAIRS = {"two alike": ("mass", "mass"), "two": ("force", "mass"), "two bodies": ("oscillator", "vehicle")}
 
 
@@ -66,7 +71,7 @@ CORE = [
     s for s in STRUCTURES
     if not s.twin and s.name not in ("damped", "piola", "polynomial", "tabulated", "inclined-stiff", "beam-damped",
                                      "bed", "gale", "awning", "slack-stiff-linearised", "staggered", "track", "cut",
-                                     "hysteresis", "failing")
+                                     "hysteresis", "failing", "two-ropes")
 ]  # fmt: skip
 """Structures for tables of which the others would tell nothing new."""
 
@@ -105,7 +110,7 @@ TRAVELLING = ("force", "mass", "oscillator", "trolley", "vehicle", "matrices")
 
 
 def travels() -> Iterator[Case]:
-    """Every way to travel for everything that travels, on every structure."""
+    """Every way to travel for everything that travels, on every structure; of crabs, that on two ropes."""
     for s in CORE:
         kinds = ("pantograph", "mass") if s.family == "overhead" else TRAVELLING
         for way, tree in ways(s):
@@ -115,6 +120,10 @@ def travels() -> Iterator[Case]:
                 if kind == "pantograph" and ("measured" in tree or tree.get("at_end") == "stay"):
                     continue
                 yield Case("travel", way, s.name, kind, scenario(s, _one(load(s, kind, tree))))
+    for way, tree in ways(ropes := BY_NAME["two-ropes"]):
+        along = tree if "kind" in tree else {"measured": "horizontal", **tree}
+        run = dynamic(ropes, start={"with_loads": True})  # set down, ropes that hang differently press differently
+        yield Case("travel", way, ropes.name, "crab", scenario(ropes, _one(crab(ropes, along)), run))
 
 
 # -- Supports ----------------------------------------------------------------------------------------------------

@@ -35,6 +35,12 @@ _PATTERNS = {
         "a net has no axis along which to be heavier": r"a net has no axis along which its inertia",
         "there are no loads to begin at rest with": r"run\.start\.with_loads: there are no loads",
         "two things set the tension": r"does not come to rest with its tension|both set its tension",
+        "ropes that stretch differently are not at one place where so much of each is behind":
+            r"lines that stretch differently are not at one place",
+        "a crab begins within all of its lines": r"it would begin at x = .*, and .* runs from",
+        "a driver acts along one line": r"a driver acts along one line",
+        "what several lines carry leaves none of them, nor stays at the end of one":
+            r"all of its lines carry it, and end at different|what moves it would draw it on, over the ends",
         "a given force is no vehicle": r"of kind force is only a force; what can be exported",
     },
     MISSING: {

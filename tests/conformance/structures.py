@@ -251,6 +251,10 @@ STRUCTURES: tuple[Structure, ...] = (
         "gale", "string in wind from the side",
         rope(taut(wind_drag=0.02), wind={"direction": [0.0, 1.0, 0.0], "speed": 20.0}), family="joined",
     ),
+    Structure(
+        "two-ropes", "two track ropes that yield differently",
+        {"lines": {"rope": TAUT, "second": {**TAUT, "axial_stiffness": "500 kN"}}}, family="joined",
+    ),
     Structure("net", "net", {"nets": {"net": NET}}, **_SHEET),
     Structure("membrane", "membrane", {"nets": {"net": MEMBRANE}}, **_SHEET),
     Structure("awning", "membrane with an edge cable", {"nets": {"net": AWNING}}, **_SHEET),
