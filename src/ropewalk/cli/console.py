@@ -40,6 +40,8 @@ TABLE_SUFFIXES = (".csv", ".xlsx", ".parquet")
 Progress = Callable[[float], None]
 Report = Callable[..., None]  # a task, the part that is done, and maybe what it is at
 _READ: ContextVar[tuple[Path, tuple[str, ...]] | None] = ContextVar("read", default=None)  # file and settings
+# Part of the whole from which on what is done tells what is left: before, kernels are still loaded.
+_KNOWN = 0.02
 _BETWEEN_LINES = 30.0  # s between lines that tell how far what takes long has come
 TRACEBACK: ContextVar[bool] = ContextVar("traceback", default=False)
 
@@ -263,7 +265,8 @@ def _in_lines() -> Report:
             from ropewalk.effort import about  # what runs half a minute has read it
 
             left = (now - first) * (1.0 - done) / max(done - before, 1e-9)
-            say(f"{label} {what}".rstrip() + f": {done:.0%}" + (f", {about(left)} left" if before < done < 1.0 else ""))
+            known = before + _KNOWN <= done < 1.0
+            say(f"{label} {what}".rstrip() + f": {done:.0%}" + (f", {about(left)} left" if known else ""))
             lines[label] = now, done + 0.1
 
     return report
