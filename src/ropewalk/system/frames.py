@@ -169,11 +169,12 @@ class FrameBuilder:
         """
         tension = self._axial_force(at)
         reading = beyond_kinks(at.contacts, tension, self.assembled.structure)
-        seen = self._contacts(at, tension, reading.of(tension))
+        beyond = reading.of(tension)
+        seen = self._contacts(at, tension, beyond)
         places, velocities = self._displayed_bodies(at)
         of = {
             "position": at.r[:, :, self.node].swapaxes(1, 2), "velocity": at.v[:, :, self.node].swapaxes(1, 2),
-            "tension": reading.of(tension)[:, self.link], "strain": reading.of(self._strains(at))[:, self.link],
+            "tension": beyond[:, self.link], "strain": reading.of(self._strains(at))[:, self.link],
             **seen.fields(),
             "body_position": places, "body_velocity": velocities, "reaction": self._reactions(at),
             **self._of_ties(at, seen, still=still is not None), **self._cell_tensions(at),
