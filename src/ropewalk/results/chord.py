@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
-from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ropewalk.results.declared import declared
 from ropewalk.results.frame import Array
 
 if TYPE_CHECKING:
@@ -27,7 +26,7 @@ def chord_height(dataset: xr.Dataset, line: str, place: Array, along: Array) -> 
         place: (frame, node, axis) m, of its nodes.
         along: (frame, node) m, level, from its start towards its end.
     """
-    points, tops = _supported(str(dataset.attrs.get("scenario", "")), line)
+    points, tops = _supported(declared(dataset, "lines").get(line, {}))
     if not points and not tops:
         return None
     xi, z = dataset["xi"].values[dataset["line"].values == line], place[..., -1]
@@ -45,15 +44,10 @@ def chord_height(dataset: xr.Dataset, line: str, place: Array, along: Array) -> 
     return out
 
 
-@lru_cache(maxsize=16)
-def _supported(text: str, line: str) -> Supported:
-    """Stations of inner supports of a line, m, and the tops of saddles that it lies on, m."""
-    try:
-        found = json.loads(text)["lines"][line]
-        supports, saddles = found.get("supports") or {}, found.get("saddles") or {}
-        return (
-            tuple(float(one["at"]) for one in supports.values()),
-            tuple(tuple(map(float, one["at"])) for one in saddles.values()),
-        )
-    except (ValueError, KeyError, TypeError, AttributeError):
-        return (), ()
+def _supported(line: dict[str, Any]) -> Supported:
+    """Stations of inner supports of a line as declared, m, and the tops of saddles that it lies on, m."""
+    supports, saddles = line.get("supports") or {}, line.get("saddles") or {}
+    return (
+        tuple(float(one["at"]) for one in supports.values()),
+        tuple(tuple(map(float, one["at"])) for one in saddles.values()),
+    )

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterable, Iterator
-from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ropewalk.results.contract import path_name
+from ropewalk.results.declared import declared
 from ropewalk.results.display_units import Column, number
 from ropewalk.results.frame import OFF_LINE, Array
 
@@ -107,16 +106,5 @@ def place_rows(found: dict[str, Any], say: Column, when: Callable[[dict[str, Any
 
 def _declared(dataset: xr.Dataset, k: int) -> tuple[str, str]:
     """Kinds of the load of contact k and of its travel, also of scenarios with models that no text can make again."""
-    return _kinds(str(dataset.attrs.get("scenario", ""))).get(
-        str(dataset["load"].values[k]).partition(".")[0], ("", "")
-    )
-
-
-@lru_cache(maxsize=4)
-def _kinds(text: str) -> dict[str, tuple[str, str]]:
-    try:
-        loads = json.loads(text)["loads"]
-    except (ValueError, KeyError, TypeError):
-        return {}
-    travels = {name: load.get("travel") or {} for name, load in loads.items()}
-    return {name: (str(load.get("kind", "")), str(travels[name].get("kind", ""))) for name, load in loads.items()}
+    load = declared(dataset, "loads").get(str(dataset["load"].values[k]).partition(".")[0], {})
+    return str(load.get("kind", "")), str((load.get("travel") or {}).get("kind", ""))

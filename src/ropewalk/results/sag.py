@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
-from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ropewalk.results.chord import chord_height
+from ropewalk.results.declared import declared
 from ropewalk.results.frame import IN_AIR, Array
 
 if TYPE_CHECKING:
@@ -82,26 +81,17 @@ def _nodes(dataset: xr.Dataset, line: str) -> tuple[Array, Array]:
 
 def _contacts(dataset: xr.Dataset, line: str) -> tuple[Array, Array]:
     """Places of the contacts of a line, and their xi, m; NaN where they do not touch it."""
-    on = _lines_of_loads(str(dataset.attrs.get("scenario", "")))
-    own = [k for k, load in enumerate(dataset["load"].values.tolist()) if on.get(load, on.get(_name(load))) == line]
+    own = [k for k, load in enumerate(dataset["load"].values.tolist()) if _line_of(dataset, load) == line]
     touch = dataset["contact_state"].values[:, own] > IN_AIR
     place, xi = dataset["contact_position"].values[:, own], dataset["contact_xi"].values[:, own]
     return np.where(touch[..., None], place, np.nan), np.where(touch, xi, np.nan)
 
 
-@lru_cache(maxsize=4)
-def _lines_of_loads(text: str) -> dict[str, str]:
-    """The line of each load; of those on several, of each contact."""
-    try:
-        loads = json.loads(text)["loads"]
-        several = {f"{name}.{line}": line for name, load in loads.items() for line in load.get("also_on") or ()}
-        return several | {name: str(load["on"]) for name, load in loads.items()}
-    except (ValueError, KeyError, TypeError, AttributeError):
-        return {}
-
-
-def _name(contact: str) -> str:
-    return contact.partition(".")[0]
+def _line_of(dataset: xr.Dataset, contact: str) -> str:
+    """The line that a contact is on as declared; those of a load on several lines have the name of theirs."""
+    name, _, part = contact.partition(".")
+    load = declared(dataset, "loads").get(name, {})
+    return part if part in (load.get("also_on") or ()) else str(load.get("on", ""))
 
 
 def _onward(away: Array, of_line: Array) -> tuple[Array, Array]:
