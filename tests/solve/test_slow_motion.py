@@ -125,13 +125,6 @@ def test_a_material_path_moves_the_load_by_equal_steps_of_the_line() -> None:
     assert numbers(result, "load_path") == pytest.approx(np.linspace(0.0, 20.0, 11), abs=1e-12)
 
 
-def test_on_a_line_that_runs_backwards_horizontal_means_along_x() -> None:
-    result = slow(rope(end=(-20.0, 0.0)), load(measured="horizontal", start=3.0, speed=-1.0))
-    x = numbers(result, "contact_position")[:, 0, 0]
-    assert x == pytest.approx(x[0] - numbers(result, "load_path"), abs=1e-9)
-    assert x[-1] == pytest.approx(-20.0, abs=1e-9)
-
-
 def test_loads_with_different_measures_keep_pace() -> None:
     result = simulate(
         case(

@@ -49,6 +49,10 @@ def margin(load: AnyLoad, line: Line | OverheadLine) -> float:
     return quarter if load.travel.margin is None else load.travel.margin
 
 
+def _exchange(on: str) -> str:
+    return f"exchange start and end of {on}, with their supports, or write slip or material"
+
+
 def travels(parts: Parts) -> Iterator[Finding]:
     """Find loads that start off their line, or that would pass an end of it and are to be refused there."""
     for name, load in parts.loads.items():
@@ -68,6 +72,10 @@ def travels(parts: Parts) -> Iterator[Finding]:
         if measured == "horizontal" and limit == 0.0:
             remedy = "measure the speed as material, slip or arc"
             wrong = f"{on} has no horizontal extent"
+            yield Finding(("loads", name, "travel", "measured"), wrong, "horizontal", remedy)
+            continue
+        if measured == "horizontal" and line.end[0] < line.start[0]:  # dx/dt and "towards its end" would be at odds
+            wrong, remedy = f"horizontal counts along x, and {on} runs towards -x", _exchange(on)
             yield Finding(("loads", name, "travel", "measured"), wrong, "horizontal", remedy)
             continue
         clearance = margin(load, line)

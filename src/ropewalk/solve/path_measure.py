@@ -66,9 +66,6 @@ class Measure:
         self.setting, self.k = setting, k
         self.s = int(setting.loads.strand[k])
         self.kind = int(setting.loads.measure[k])
-        # Slow motion may be measured against the material coordinate: along x on a line that runs towards -x.
-        run = float(setting.ends[self.s].place[1, 0] - setting.ends[self.s].place[0, 0])
-        self.direction = -1.0 if self.kind == HORIZONTAL and run < 0.0 else 1.0
         self.number = int(np.flatnonzero(np.flatnonzero(setting.loads.strand == self.s) == k)[0])
 
     def of(self, xi: float, stands: list[LoadedStrand]) -> float:
@@ -93,9 +90,9 @@ def buffers(setting: PreparedRun, measure: Measure, begin: float, *, forward: bo
     length = float(strands.links[s] * strands.h[s])
     if measure.kind == MATERIAL:
         buffers = length - xi if forward else xi
-    elif measure.kind == HORIZONTAL:  # forward is towards +x, whichever end of the line lies there
-        ends = [float(end[0]) for end in setting.ends[s].place]
-        buffers = max(ends) - begin if forward else begin - min(ends)
+    elif measure.kind == HORIZONTAL:
+        first, last = (float(end[0]) for end in setting.ends[s].place)
+        buffers = last - begin if forward else begin - first
     elif measure.kind != SLIP:
         arc = float(np.sqrt((np.diff(bare.r, axis=1) ** 2).sum(axis=0)).sum()) if bare is not None else length
         buffers = arc - begin if forward else begin

@@ -89,7 +89,7 @@ class _PathWalk:
         target = np.array([np.interp(t, self.times, way) for way in self.ways])
         advance = target - [np.interp(here.t, self.times, way) for way in self.ways]
         step = _PathStep(self.setting, self.measures, t, here.xi, here.marks, self.begin + target, advance)
-        guess = here.xi + advance * [m.direction for m in self.measures]
+        guess = here.xi + advance
         similar = here.stands
         if before is not None:
             on = (path - here.path) / (here.path - before.path)
@@ -159,7 +159,7 @@ class _PathStep:
         m = self.measures[k]
         if m.kind == SLIP:
             return float((x - self.before[k]) * 0.5 * (self.marks[k] + m.of(x, stands)) - self.advance[k])
-        return float(m.direction * (m.of(x, stands) - self.target[k]))
+        return float(m.of(x, stands) - self.target[k])
 
     def _place(
         self, k: int, length: float, xi: Array, stands: list[LoadedStrand], given: Array

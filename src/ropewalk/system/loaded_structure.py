@@ -283,12 +283,8 @@ def softness(contacts: Any, axes: int) -> Array:
 def measure_from_ends(contacts: Any, structure: Structure, rest: Array) -> None:
     """Let horizontal places count from x = 0 and not from the ends of lines, which are at rest (axis, node), m."""
     lines, runs = structure.lines, structure.runs
-    for k in np.flatnonzero(contacts["measure"] == HORIZONTAL):
-        contact = contacts[k]
-        first = lines.first[contact["line"]]
-        last = first + lines.runs[contact["line"]] - 1
-        begin, end = rest[0, [runs.first[first], runs.first[last] + runs.links[last]]]
-        contact["begin"] = begin + np.sign(end - begin) * contact["begin"]
+    level = contacts["measure"] == HORIZONTAL
+    contacts["begin"][level] += rest[0, runs.first[lines.first[contacts["line"][level]]]]
 
 
 def load_springs(bodies: BodyArrays, u: Array, w: Array) -> None:
