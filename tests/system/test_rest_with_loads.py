@@ -297,6 +297,24 @@ def test_networks_keep_the_loads_at_rest_that_they_know() -> None:
     assert asked == [NETWORKS, SYSTEM, SYSTEM, SYSTEM]
 
 
+@pytest.mark.parametrize("load", ["mass", "force"])
+@pytest.mark.parametrize("measured", ["material", "slip", "arc", "horizontal"])
+def test_travel_of_any_measure_begins_where_loads_rest(measured: str, load: str) -> None:
+    """As on ropes of chains: their place is counted along the line without them, and they go on smoothly from rest."""
+    if (load, measured) == ("mass", "arc"):
+        pytest.skip("refused: along an arc nothing with a mass is prescribed")
+    what = {"mass": 50.0} if load == "mass" else {"force": [0.0, -490.0]}
+    loads = {"m": {"kind": load, **what, "on": "rope", "travel": {"speed": 2.0, "measured": measured, "from": 5.0}}}
+    rope = {"start": [0, 0], "end": [20, 0], "length": 20.4, "mass": 1.0, "axial_stiffness": 1e5, "elements": 40,
+            "axial_damping": 50.0}  # fmt: skip
+    asked = {"kind": "dynamic", "until": 1.0, "every": 0.05, "start": {"with_loads": True}}
+    ours = run({"rope": rope}, loads, run=asked)
+    theirs = simulate(Scenario.model_validate({"lines": {"rope": rope}, "loads": loads, "run": asked}))
+    away = ours.contact_position.values[:, 0] - theirs.contact_position.values[:, 0]
+    assert np.abs(away).max() < 0.02  # m; of links of half a metre, on which rest is 8 mm to 14 mm apart
+    assert np.abs(ours.hold_force.values).max() < 300.0  # N; 13 kN where they were put elsewhere at once
+
+
 def test_what_rest_does_not_bear_is_refused_by_its_key() -> None:
     bob = {**LOADS["bob"], "contact_stiffness": 1e5}
     with pytest.raises((RopewalkError, ValueError), match=r"loads\.bob\.contact_stiffness"):

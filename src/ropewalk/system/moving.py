@@ -44,7 +44,13 @@ from ropewalk.system.feet import steps_by_table
 from ropewalk.system.frames import FrameBuilder, SystemNote
 from ropewalk.system.hold_forces import on_friction
 from ropewalk.system.inertia import remark_inertia, with_inertia
-from ropewalk.system.loaded_structure import Carried, LoadedStructure, load_springs, measure_from_ends
+from ropewalk.system.loaded_structure import (
+    Carried,
+    LoadedStructure,
+    load_springs,
+    measure_from_ends,
+    measure_from_rest,
+)
 from ropewalk.system.methods import cut_by_damping, first_damper, shaken
 from ropewalk.system.rest import about_rest, at_rest, least, tensions
 from ropewalk.system.segments import mass_of
@@ -98,7 +104,7 @@ class SystemMotion:
     ) -> None:  # fmt: skip
         asked = scenario.run
         assert isinstance(asked, Dynamic)
-        self.run_info, self.times = run_info, times
+        self.run_info, self.times, self._scenario = run_info, times, scenario
         self.assembled = structure_of(scenario, asked.until, axes)
         gravity = np.zeros(len(self.assembled.axes))
         gravity[-1] = -scenario.gravity
@@ -110,10 +116,8 @@ class SystemMotion:
             self.structure = with_inertia(self.structure, self.rest, asked.axial_inertia)
             remark_inertia(run_info, asked.axial_inertia, self.structure, self.rest, self.assembled.line)
         self.assembled = replace(self.assembled, structure=self.structure, near=self.rest)
-        loading = loading_of(scenario, asked.until, axes=self.assembled.axes)
-        self.loading = loading
+        loading = self.loading = loading_of(scenario, asked.until, axes=self.assembled.axes)
         self.contacts, self.tables, self.bodies = contacts_of(scenario, loading, self.structure, self.assembled.on)
-        self._scenario = scenario
         refuse_beyond(scenario, loading, self.contacts, self.structure)
         measure_from_ends(self.contacts, self.structure, self.rest)
         dim, n = self.rest.shape
@@ -133,8 +137,8 @@ class SystemMotion:
         self._turned = np.zeros(1, dtype=np.int64)  # 1: it has been said that lines have turned far
         self._fast = np.zeros(self.contacts.size, dtype=np.int64)  # frames in which each was faster than waves
         self._slipped = np.zeros(self.contacts.size, dtype=np.int64)  # 1: it has been said that friction is not enough
-        kinds = loading.loads.contact
-        self._may_slip = ((kinds == CLAMPED) & (self.contacts["friction"] > 0.0)) | (kinds == COULOMB)
+        clamped, coulomb = loading.loads.contact == CLAMPED, loading.loads.contact == COULOMB
+        self._may_slip = (clamped & (self.contacts["friction"] > 0.0)) | coulomb
         self._carriages = CarriagesAtRest(scenario, loading, self.contacts, self.bodies, dim)
         self._crabs = Crabs(scenario, loading.wheels, self.contacts, self.bodies)
         if self._carriages.rounds:
@@ -148,6 +152,7 @@ class SystemMotion:
                 self._carriages.hold(self.structure, self.state.r)
                 bearing = self._settle(self.state.r)
             self._crabs.roll(self._locate, lambda: self._settle(self.state.r, self.state.u), self.state)
+            measure_from_rest(self.contacts, self.state, self._locate)
         elif asked.start.kind != "rest" and not past:
             begin_elsewhere(
                 self.structure, self.state, asked.start, self._builder.node, self.layout.node_line,
@@ -312,6 +317,7 @@ class SystemMotion:
         potential.forces(shape)
         r, u = potential.put(shape)
         self.state.r[:], self.state.u[:] = r, u[: potential.loaded.own]
+        self.state.s[:] = potential.loaded.state.s
         if self._buffers.tight is not None:
             self._buffers.tension[:] = potential.buffers.tension
         return potential.loaded.contacts
