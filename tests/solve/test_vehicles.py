@@ -327,3 +327,17 @@ def test_a_coordinate_without_mass_is_refused() -> None:
     load = sprung(0.0, 5.0, 1e4, 0.0, TRAVEL)
     with pytest.raises(RopewalkError, match="no mass"):
         on_rope({**load, "on": "rope"})
+
+
+@pytest.mark.parametrize("wheel", [0.0, 0.05, 0.2])
+def test_the_force_of_a_light_wheel_that_is_set_down_begins_where_it_goes_on(wheel: float) -> None:
+    """Newton's law for wheel and particle together: of the whole force the line gets m / (m + M)."""
+    m, weight = 20.0 / 1.01 / 80, 50.0 * 9.81
+    line = {"start": [0, 0], "end": [20, 0], "tension": 1e4, "mass": 1.0, "axial_stiffness": 1e6, "elements": 80}
+    load = {"kind": "oscillator", "on": "rope", "mass": 50.0, "wheel_mass": wheel, "stiffness": 8750.0,
+            "travel": {"speed": 0.0, "from": 5.0}}  # fmt: skip
+    asked = {"kind": "dynamic", "until": 2e-6, "every": 1e-6}
+    found = simulate(Scenario.model_validate({"lines": {"rope": line}, "loads": {"load": load}, "run": asked}))
+    force = -found.contact_force.values[:, 0, 1]
+    assert force[0] == pytest.approx((weight + 9.81 * wheel) * m / (m + wheel), rel=1e-4)  # its tension is a mean
+    assert force[1:] == pytest.approx(force[0], rel=2e-3)  # it falls by 0.04 % in a microsecond

@@ -101,7 +101,7 @@ def place_loads(setting: PreparedRun, state: ChainState, with_loads: bool = Fals
         else:
             record["phase"] = MOVING_WITH
         record["ahead"] = record["v"]
-    bodies.wheels["on_line"][:, :dim] = _pressing(setting)
+    bodies.wheels["on_line"][:, :dim] = _pressing(setting) * _on_particles(setting, bodies)[:, :dim]
     # After all velocities have been looked up: a wheel that takes a node gives it its own. The nearest wheel takes it.
     for k in sorted(landing, key=lambda k: _to_node(setting, float(state.xi[k]), int(loads.strand[k]))):
         land(strands, loads, state, bodies, k)
@@ -156,6 +156,15 @@ def _pressing(setting: PreparedRun) -> Array:
     loads, resting = setting.loads, resting_forces(setting.loading).T
     given = [[force_at(loads, k, 0.0, a) for a in range(resting.shape[1])] for k in range(resting.shape[0])]
     return np.asarray(resting + np.array(given).reshape(resting.shape))
+
+
+def _on_particles(setting: PreparedRun, bodies: Bodies) -> Array:
+    """The part of the force on a light wheel that is set down which its particle takes, (wheel, axis)."""
+    part, strands = np.ones_like(bodies.wheels["mass"]), setting.strands
+    light = bodies.wheels["phase"] == MOVING_WITH
+    m = (strands.rho * strands.h)[setting.loads.strand][:, None]
+    part[light] = (m / (m + bodies.wheels["mass"]))[light]
+    return part
 
 
 def _hang(setting: PreparedRun, bodies: Bodies, dim: int) -> None:
