@@ -18,6 +18,7 @@ import pytest
 
 import ropewalk
 from ropewalk.errors import RopewalkError
+from ropewalk.results.drawn import drawn_position
 from ropewalk.results.frame import Doubt
 from ropewalk.scenario import ScenarioError, loads
 from ropewalk.studio.folder import check_inside
@@ -174,7 +175,7 @@ def test_a_run_is_the_one_of_the_command_line(page: Page, folder: Path) -> None:
     with ropewalk.open_result(folder / "rope.nc") as stored:
         np.testing.assert_allclose(stored.position, expected.position, rtol=0, atol=1e-12)  # OpenBLAS on one thread
         again = list(page.messages(page.send("result", name="rope.nc")))
-    np.testing.assert_array_equal(shown, expected.position.values.astype("f4"))
+    np.testing.assert_array_equal(shown, drawn_position(expected).astype("f4"))
     np.testing.assert_array_equal(np.concatenate([a["position"] for _, a in again[1:-1]]), shown)
     assert again[0][0]["layout"] == events[[e[0].get("event") for e in events].index("layout")][0]["layout"]
 

@@ -23,6 +23,7 @@ from ropewalk.results.axis_units import show_units
 from ropewalk.results.contact_film import ContactStage, is_filmed_here
 from ropewalk.results.contract import path_name
 from ropewalk.results.display_units import DisplayUnits
+from ropewalk.results.drawn import drawn_position
 from ropewalk.results.files import ResultError
 from ropewalk.results.frame import Array
 from ropewalk.results.meter import Meter
@@ -185,12 +186,13 @@ class Stage:
         name = path_name(dataset)
         displayed = dataset.isel({name: timing.frames})
         self._path = displayed[name].values
-        self._lines = [_Curve.of(displayed, dataset, line) for line in lines(dataset)]
+        position = drawn_position(displayed)[..., [0, -1]]
+        self._lines = [_Curve.of(displayed, dataset, line, position) for line in lines(dataset)]
         self._spots: Array = displayed["contact_position"].values[..., [0, -1]]
         self._bodies: Array = displayed["body_position"].values[..., [0, -1]]
         self._pairs = ties(dataset)
         self._forces: Array = displayed["contact_force"].values[..., [0, -1]]
-        seen = [displayed["position"].values[..., [0, -1]], self._bodies]
+        seen = [position, self._bodies]
         width, height = pixels or (WIDTH, _height(np.concatenate([points.reshape(-1, 2) for points in seen])))
         self._figure = Figure(figsize=(width / FILM_DPI, height / FILM_DPI), dpi=FILM_DPI, layout="constrained")
         self._canvas = _canvas(self._figure)
@@ -316,12 +318,11 @@ class _Curve:
     tension: Array
 
     @classmethod
-    def of(cls, displayed: xr.Dataset, dataset: xr.Dataset, line: str) -> _Curve:
+    def of(cls, displayed: xr.Dataset, dataset: xr.Dataset, line: str, position: Array) -> _Curve:
         nodes = np.flatnonzero(dataset["line"].values == line)
         links = np.flatnonzero(dataset["link_line"].values == line)
         kept = style.thinned(len(nodes), LINKS + 1)
-        points = displayed["position"].isel(node=nodes[kept]).values[..., [0, -1]]
-        return cls(points, displayed["tension"].isel(link=links[kept[:-1]]).values)
+        return cls(position[:, nodes[kept]], displayed["tension"].isel(link=links[kept[:-1]]).values)
 
 
 def _canvas(figure: Figure) -> Any:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ropewalk.results.chord import chord_height
-from ropewalk.results.declared import declared
+from ropewalk.results.declared import declared, line_of
 from ropewalk.results.frame import IN_AIR, Array
 
 if TYPE_CHECKING:
@@ -81,17 +81,11 @@ def _nodes(dataset: xr.Dataset, line: str) -> tuple[Array, Array]:
 
 def _contacts(dataset: xr.Dataset, line: str) -> tuple[Array, Array]:
     """Places of the contacts of a line, and their xi, m; NaN where they do not touch it."""
-    own = [k for k, load in enumerate(dataset["load"].values.tolist()) if _line_of(dataset, load) == line]
+    loads = declared(dataset, "loads")
+    own = [k for k, load in enumerate(dataset["load"].values.tolist()) if line_of(load, loads) == line]
     touch = dataset["contact_state"].values[:, own] > IN_AIR
     place, xi = dataset["contact_position"].values[:, own], dataset["contact_xi"].values[:, own]
     return np.where(touch[..., None], place, np.nan), np.where(touch, xi, np.nan)
-
-
-def _line_of(dataset: xr.Dataset, contact: str) -> str:
-    """The line that a contact is on as declared; those of a load on several lines have the name of theirs."""
-    name, _, part = contact.partition(".")
-    load = declared(dataset, "loads").get(name, {})
-    return part if part in (load.get("also_on") or ()) else str(load.get("on", ""))
 
 
 def _onward(away: Array, of_line: Array) -> tuple[Array, Array]:

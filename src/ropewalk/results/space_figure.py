@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ropewalk.results import style
 from ropewalk.results.contract import path_name
 from ropewalk.results.display_units import number
+from ropewalk.results.drawn import drawn_position
 from ropewalk.results.frame import Array
 from ropewalk.results.nets import (
     NetTriangles,
@@ -68,7 +69,7 @@ class Chosen:
         frames = np.array([most_deflected(dataset)]) if one else style.thinned(dataset.sizes[name], instants)
         return cls(
             frames,
-            in_space(dataset["position"].isel({name: frames}).values),
+            in_space(drawn_position(dataset.isel({name: frames}))),
             in_space(dataset["contact_position"].values),
             in_space(dataset["body_position"].values),
         )

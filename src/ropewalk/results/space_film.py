@@ -15,6 +15,7 @@ from ropewalk.results import style
 from ropewalk.results.axis_units import show_units
 from ropewalk.results.contract import path_name
 from ropewalk.results.display_units import DisplayUnits
+from ropewalk.results.drawn import drawn_position
 from ropewalk.results.frame import Array
 from ropewalk.results.meter import Meter
 from ropewalk.results.nets import NetTriangles, cell_values, in_space, line_ends, triangles
@@ -103,7 +104,7 @@ class SpaceStage:
 
     def _place(self, k: int) -> Array:
         """Nodes in the k-th frame shown, (node, 3) m."""
-        return in_space(self._dataset["position"][int(self._frames[k])].values)
+        return in_space(drawn_position(self._dataset.isel({path_name(self._dataset): [int(self._frames[k])]}))[0])
 
     def _pull(self, k: int) -> Array:
         """Tensions of the links drawn in the k-th frame shown, N."""

@@ -16,6 +16,7 @@ from ropewalk.results import style
 from ropewalk.results.audit import AUDIT, turnover
 from ropewalk.results.contract import path_name
 from ropewalk.results.display_units import number
+from ropewalk.results.drawn import drawn_position
 from ropewalk.results.frame import ENERGY_FORMS, Array
 from ropewalk.results.nets import line_ends, net_names
 from ropewalk.results.statistics import blocks, lines
@@ -42,12 +43,13 @@ def shapes(dataset: xr.Dataset, ax: Axes, instants: int = SHAPES) -> None:
     """
     name = path_name(dataset)
     frames = style.thinned(dataset.sizes[name], instants)
-    chosen = dataset[["position", "line"]].isel({name: frames})
+    chosen = dataset.isel({name: frames})
+    position = drawn_position(chosen)
     colours = style.colours(style.INSTANTS)(np.linspace(0.0, 1.0, max(len(frames), 2)))
     for line in lines(dataset):
         here = np.flatnonzero(dataset["line"].values == line)
         here = here[style.thinned(len(here), POINTS)]
-        x, z = (chosen["position"].sel(axis=axis).values[:, here] for axis in ("x", "z"))
+        x, z = position[:, here, 0], position[:, here, -1]
         for k in range(len(frames)):
             ax.plot(x[k], z[k], color=colours[k], linewidth=style.LINE, label=_instant(dataset, line, frames[k]))
         ends: dict[str, Any] = {
@@ -83,7 +85,7 @@ def shapes(dataset: xr.Dataset, ax: Axes, instants: int = SHAPES) -> None:
         )
     bodies = _draw_bodies(dataset, ax, frames, colours)
     values, unit = dataset[name].values[frames], dataset[name].attrs["units"]
-    factor = set_scale(ax, chosen["position"], [*(path for _, path in paths), *bodies])
+    factor = set_scale(ax, position, [*(path for _, path in paths), *bodies])
     height = "z (m)" if factor == 1.0 else f"z (m), drawn {factor:g} times as high"
     style.dress(ax, "Shapes", "x (m)", height)
     if len(frames) > 1:

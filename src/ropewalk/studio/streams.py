@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ropewalk.results.contract import path_name
-from ropewalk.results.frame import ENERGY_FORMS, Doubt, Layout, RunInfo
+from ropewalk.results.drawn import BENT, Bends, drawn_position
+from ropewalk.results.frame import ENERGY_FORMS, Array, Doubt, Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.studio.messages import described, packed
 
@@ -51,10 +52,13 @@ class Streamed:
         send: takes a message.
         head: goes in front of all, as {"id": 7}.
         total: how many frames the run will have.
+        loads: of each load the lines that it is `on` and `also_on`.
     """
 
-    def __init__(self, send: Callable[[bytes], None], head: dict[str, Any], total: int) -> None:
-        self._send, self._head, self._total = send, head, total
+    def __init__(
+        self, send: Callable[[bytes], None], head: dict[str, Any], total: int, loads: Mapping[str, Any]
+    ) -> None:
+        self._send, self._head, self._total, self._loads = send, head, total, loads
         self._step, self._seen, self._begun = 1, 0, False
 
     def __call__(self, layout: Layout, frames: Frames, run_info: RunInfo) -> None:
@@ -65,12 +69,14 @@ class Streamed:
             self._step = 1 + int(each * self._total // MOST_BYTES)
             head = {**self._head, "event": "layout", "total": self._total, "step": self._step}
             self._send(packed({**head, "layout": described(layout), "energies": ENERGY_FORMS}, {}))
+            self._bends = Bends(layout.node_line, layout.node_xi, layout.contact_load, self._loads)
         first = -self._seen % self._step
         self._seen += len(frames)
         rows = slice(first, None, self._step)
         if first >= len(frames):
             return
         arrays = {"path": frames.path[rows], **{name: frames.of[name][rows] for name in DISPLAYED if name in frames.of}}
+        arrays["position"] = self._bends.drawn(*(frames.of[name][rows] for name in BENT))
         self._send(packed({**self._head, "event": "frames", "run": state_of_run(run_info)}, arrays))
 
 
@@ -79,7 +85,18 @@ def of_result(dataset: xr.Dataset, head: dict[str, Any]) -> Iterator[bytes]:
     layout = _layout_of(dataset)
     names = [name for name in DISPLAYED if name in dataset and dataset[name].dims[0] == layout.path]
     title = str(dataset.attrs.get("title", ""))
-    return film(layout, dataset[layout.path], {name: dataset[name] for name in names}, {**head, "title": title})
+    arrays = {name: _Drawn(dataset) if name == "position" else dataset[name] for name in names}
+    return film(layout, dataset[layout.path], arrays, {**head, "title": title})
+
+
+class _Drawn:
+    """Positions of nodes as they are drawn, of the frames that are asked for."""
+
+    def __init__(self, dataset: xr.Dataset) -> None:
+        self._dataset, self.size = dataset, int(dataset["position"].size)
+
+    def __getitem__(self, frames: slice) -> Array:
+        return drawn_position(self._dataset.isel({path_name(self._dataset): frames}))
 
 
 def film(layout: Layout, path: Any, arrays: Mapping[str, Any], head: dict[str, Any]) -> Iterator[bytes]:

@@ -187,7 +187,10 @@ class ComputingProcess:
         total = run.positions if isinstance(run, Quasistatic) else 1
         if isinstance(run, Dynamic | Linear):
             total = int(output_times(run).size)
-        send = Streamed(lambda message: self._send(ticket, False, message), {"id": number}, total)
+        loads = {
+            name: {"on": load.on, "also_on": getattr(load, "also_on", ())} for name, load in scenario.loads.items()
+        }
+        send = Streamed(lambda message: self._send(ticket, False, message), {"id": number}, total, loads)
         overwrite = bool(asked.get("overwrite"))
         dataset = simulate(scenario, file=file, overwrite=overwrite, progress=self._stop_if_asked, seen=send)
         with dataset:

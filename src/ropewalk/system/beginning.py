@@ -1,23 +1,26 @@
-"""Beginnings of motion other than rest: a mode of the structure, at rest or whirling, and a stored instant."""
+"""Beginnings of motion: where loads rest; a mode of the structure, at rest or whirling; a stored instant."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sparse
 
 from ropewalk.errors import RopewalkError
-from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.mechanics.chain import HORIZONTAL, MATERIAL, Array, Integers
 from ropewalk.model.beginning import UP
 from ropewalk.model.line import spatial
 from ropewalk.model.run import Start
 from ropewalk.results.stored import stored_instant
 from ropewalk.solve.mode_of_structure import mode_of
 from ropewalk.system.constrained import bring, ways
+from ropewalk.system.contacts import FREE
 from ropewalk.system.loaded_structure import LoadedStructure
 from ropewalk.system.statics import SystemPotential
 from ropewalk.system.structure import Structure, SystemState
+from ropewalk.system.travel import CLOSE, ROUNDS
 
 _AWAY = 1e-9  # of the size of a structure: what is held this close is where it was
 
@@ -110,3 +113,26 @@ def _restore(structure: Structure, state: SystemState, start: Start, displayed: 
         raise RopewalkError(
             f"{start.file}: a support stands {away:.3g} m elsewhere in the stored result; use the same lines"
         )
+
+
+def measure_from_rest(contacts: Any, state: SystemState, locate: Callable[[], object]) -> None:
+    """Let prescribed travel begin where loads rest on their lines, which have given way under them.
+
+    They keep the material on which they begin without loads; what is measured along x or an arc is counted from there.
+
+    Args:
+        contacts: records; where their travel begins is changed.
+        state: at rest, with places along lines.
+        locate: puts all contacts where they are now.
+    """
+    rests, u = state.s.copy(), state.u.copy()
+    own = (contacts["travel"] != FREE) & (contacts["measure"] != MATERIAL) & (contacts["moved"] == 0)
+    own &= contacts["led"] == 0
+    for _ in range(ROUNDS):
+        contacts["been"][own], state.u[:] = 0, u  # of a body that leans its contact is beside it
+        locate()
+        miss = np.where(own, rests - state.s, 0.0)
+        if np.abs(miss).max(initial=0.0) <= CLOSE * np.abs(rests).max(initial=0.0):
+            break
+        along = np.linalg.norm(contacts["along"], axis=1)
+        contacts["begin"] += miss * np.where(contacts["measure"] == HORIZONTAL, contacts["along"][:, 0], along)

@@ -5,21 +5,20 @@ Each contact has coordinates of its own here, those of given forces, too: withou
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
 
-from ropewalk.mechanics.chain import HORIZONTAL, MATERIAL, Array
+from ropewalk.mechanics.chain import HORIZONTAL, Array
 from ropewalk.mechanics.compiled import lean, records
 from ropewalk.system.bodies import BodyArrays, ground
 from ropewalk.system.cables import stretch_all
 from ropewalk.system.carriages import Carriages
-from ropewalk.system.contacts import AWAY, BODY, CONTACT, FORCE, FREE, ON
+from ropewalk.system.contacts import AWAY, BODY, CONTACT, FORCE, ON
 from ropewalk.system.structure import WORKS, Buffers, Structure, SystemState
-from ropewalk.system.travel import CLOSE, ROUNDS, Tables, place
+from ropewalk.system.travel import Tables, place
 
 
 @lean
@@ -286,29 +285,6 @@ def measure_from_ends(contacts: Any, structure: Structure, rest: Array) -> None:
     lines, runs = structure.lines, structure.runs
     level = contacts["measure"] == HORIZONTAL
     contacts["begin"][level] += rest[0, runs.first[lines.first[contacts["line"][level]]]]
-
-
-def measure_from_rest(contacts: Any, state: SystemState, locate: Callable[[], object]) -> None:
-    """Let prescribed travel begin where loads rest on their lines, which have given way under them.
-
-    They keep the material on which they begin without loads; what is measured along x or an arc is counted from there.
-
-    Args:
-        contacts: records; where their travel begins is changed.
-        state: at rest, with places along lines.
-        locate: puts all contacts where they are now.
-    """
-    rests, u = state.s.copy(), state.u.copy()
-    own = (contacts["travel"] != FREE) & (contacts["measure"] != MATERIAL) & (contacts["moved"] == 0)
-    own &= contacts["led"] == 0
-    for _ in range(ROUNDS):
-        contacts["been"][own], state.u[:] = 0, u  # of a body that leans its contact is beside it
-        locate()
-        miss = np.where(own, rests - state.s, 0.0)
-        if np.abs(miss).max(initial=0.0) <= CLOSE * np.abs(rests).max(initial=0.0):
-            break
-        along = np.linalg.norm(contacts["along"], axis=1)
-        contacts["begin"] += miss * np.where(contacts["measure"] == HORIZONTAL, contacts["along"][:, 0], along)
 
 
 def load_springs(bodies: BodyArrays, u: Array, w: Array) -> None:

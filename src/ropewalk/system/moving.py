@@ -32,7 +32,7 @@ from ropewalk.solve.stages import LOBATTO, RADAU, Stages
 from ropewalk.system import motion
 from ropewalk.system.asking import FAILED, Asking
 from ropewalk.system.assembly import contacts_of, refuse_beyond, structure_of
-from ropewalk.system.beginning import begin_elsewhere
+from ropewalk.system.beginning import begin_elsewhere, measure_from_rest
 from ropewalk.system.carriages_at_rest import CarriagesAtRest
 from ropewalk.system.carrier import SHORTER, System, SystemCarrier
 from ropewalk.system.compliance import compliances
@@ -44,13 +44,7 @@ from ropewalk.system.feet import steps_by_table
 from ropewalk.system.frames import FrameBuilder, SystemNote
 from ropewalk.system.hold_forces import on_friction
 from ropewalk.system.inertia import remark_inertia, with_inertia
-from ropewalk.system.loaded_structure import (
-    Carried,
-    LoadedStructure,
-    load_springs,
-    measure_from_ends,
-    measure_from_rest,
-)
+from ropewalk.system.loaded_structure import Carried, LoadedStructure, load_springs, measure_from_ends
 from ropewalk.system.methods import cut_by_damping, first_damper, shaken
 from ropewalk.system.rest import about_rest, at_rest, least, tensions
 from ropewalk.system.segments import mass_of
