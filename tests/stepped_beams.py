@@ -20,15 +20,16 @@ Piece = tuple[float, float, float]
 """Length in m, bending stiffness in N m^2, mass per length in kg/m."""
 
 
-def _field(piece: Piece, w: float) -> Array:
-    """Deflection, slope, moment and shear at the end of a uniform piece by those at its start, at w in rad/s."""
+def _field(piece: Piece, w: Array) -> Array:
+    """Deflection, slope, moment, shear at the end of a piece by those at its start, (..., 4, 4), at w in rad/s."""
     length, EI, mass = piece
     k = (mass * w * w / EI) ** 0.25
 
     def all_at(x: float) -> Array:
         c, s, C, S = np.cos(k * x), np.sin(k * x), np.cosh(k * x), np.sinh(k * x)
-        rows = [[c, s, C, S], [-s, c, S, C], [-c, -s, C, S], [s, -c, S, C]]
-        return np.array(rows) * np.array([1.0, k, EI * k**2, EI * k**3])[:, None]
+        rows = np.array([[c, s, C, S], [-s, c, S, C], [-c, -s, C, S], [s, -c, S, C]])
+        units = np.array([np.ones_like(k), k, EI * k**2, EI * k**3])
+        return np.moveaxis(rows * units[:, None], (0, 1), (-2, -1))
 
     return np.asarray(all_at(length) @ np.linalg.inv(all_at(0.0)))
 
@@ -37,16 +38,16 @@ def frequencies(pieces: Sequence[Piece], count: int, clamped: tuple[bool, bool] 
     """The lowest frequencies of a beam of uniform pieces on hinges, or clamped, Hz."""
     first, last = ([2, 3] if clamped[0] else [1, 3]), ([0, 1] if clamped[1] else [0, 2])
 
-    def determinant(f: float) -> float:
+    def determinant(f: Array) -> Array:
         T = np.eye(4)
         for piece in pieces:
-            T = _field(piece, 2.0 * np.pi * f) @ T
-        return float(np.linalg.det(T[np.ix_(last, first)]))
+            T = _field(piece, 2.0 * np.pi * np.asarray(f)) @ T
+        return np.asarray(np.linalg.det(T[..., last, :][..., first]))
 
     length, EI, mass = sum(p[0] for p in pieces), max(p[1] for p in pieces), min(p[2] for p in pieces)
     highest = (count + 0.6) ** 2 * np.pi / (2.0 * length**2) * np.sqrt(EI / mass)
     f = np.linspace(1e-3 * highest, highest, 4000)
-    d = np.array([determinant(one) for one in f])
+    d = determinant(f)
     at = np.flatnonzero(d[:-1] * d[1:] < 0.0)
     return np.array([brentq(determinant, f[i], f[i + 1]) for i in at])[:count]
 

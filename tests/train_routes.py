@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
+from scipy.signal import lfilter
 
 Array = NDArray[np.float64]
 FINE = 2e-4  # s, of the recursion
@@ -52,12 +53,13 @@ class Bridge:
         c = self.alpha + self.beta * w * w
         A = np.array([[0.0, 1.0, 0.0, 0.0], [-w * w, -c, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 0.0]])
         E = expm(A * FINE)
-        y, out = np.zeros(2), np.zeros((force.size, 2))
         slope = np.diff(force, append=force[-1]) / FINE
-        for i in range(force.size):
-            out[i] = y
-            y = E[:2, :2] @ y + E[:2, 2] * force[i] + E[:2, 3] * slope[i]
-        return out[:, 0], force - c * out[:, 1] - w * w * out[:, 0]
+        # y(i + 1) = E y(i) + given(i) from 0, each of the two eigenvectors by itself.
+        roots, vectors = np.linalg.eig(E[:2, :2])
+        given = np.linalg.solve(vectors, np.outer(E[:2, 2], force) + np.outer(E[:2, 3], slope))
+        parts = [lfilter([0.0, 1.0], [1.0, -root], one) for root, one in zip(roots, given, strict=True)]
+        out = (vectors @ np.array(parts)).real
+        return out[0], force - c * out[1] - w * w * out[0]
 
     def crossing(self, places: Array, forces: Array | float, speed: float, after: float, modes: int = 9) -> Crossing:
         """A train whose first axle comes to the start at time 0, in m, N and m/s, and a time in s after it."""

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from gait_cases import GAIT
 from ropewalk.mechanics.footfall import Footfall, outwards
 from ropewalk.model import Dynamic, Footsteps, Line, Scenario
 from ropewalk.simulate import simulate
@@ -19,8 +20,6 @@ GRAVITY = 9.81
 GROUND = {"start": (0, 0), "end": (10, 0), "tension": 1e9, "mass": 1000.0, "axial_stiffness": 1e12, "elements": 20}
 # Sways to the side at 1 Hz.
 DECK = {"start": (0, 0), "end": (20, 0), "tension": 160e3, "mass": 100.0, "axial_stiffness": 1e8, "elements": 40}
-LEGS = gait.SpringLegs(mass=80.0, leg_length=1.0, stiffness=14e3, attack_angle=np.radians(69.0))
-GAIT = gait.gaits(LEGS, energy=816.0)[0]
 WALKER = {"kind": "walker", "speed": GAIT.speed, "from": 3.0, "balance": {"height": 1.17, "width": 0.0157}}
 STEPPING = {"kind": "footsteps", "mass": 70.0, "frequency": 2.0, "step_length": 0.6, "from": 2.0, "lateral": "bachmann"}
 HIM = {"margin": 0.0157, "leg_length": 1.17}

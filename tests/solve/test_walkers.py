@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from gait_cases import GAIT, LEGS
 from ropewalk.mechanics.footfall import Footfall
 from ropewalk.model import Dynamic, Footsteps, Line, Scenario
 from ropewalk.simulate import simulate
@@ -20,9 +21,6 @@ WEBBING = {
     "drag": 20.0, "elements": 200,
 }  # fmt: skip
 TIGHT = {"start": (0, 0), "end": (20, 0), "tension": 5e3, "mass": 1.0, "axial_stiffness": 1e5, "drag": 0.5}
-# The gait of theory section 9: 80 kg, 1 m, 14 kN/m, 69 degrees, 816 J.
-LEGS = gait.SpringLegs(mass=80.0, leg_length=1.0, stiffness=14e3, attack_angle=np.radians(69.0))
-GAIT = gait.gaits(LEGS, energy=816.0)[0]
 HER = {"kind": "walker", "mass": 57.0, "foot_mass": 1.0, "leg_damping": 100.0}
 
 

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from gait_cases import GAIT, LEGS
 from motion_cases import order
 from ropewalk.capabilities import ROPES, SYSTEM, engine_of
 from ropewalk.model import Scenario
@@ -23,8 +24,6 @@ GROUND = {"start": (0, 0), "end": (10, 0), "tension": 1e9, "mass": 1000.0, "axia
 DECK = {
     "start": [0, 0], "end": [20, 0], "tension": 160e3, "mass": 100.0, "axial_stiffness": 1e8, "axial_damping": 1e4,
 }  # fmt: skip
-LEGS = gait.SpringLegs(mass=80.0, leg_length=1.0, stiffness=14e3, attack_angle=np.radians(69.0))
-GAIT = gait.gaits(LEGS, energy=816.0)[0]
 WALKER: dict[str, Any] = {"kind": "walker", "speed": GAIT.speed, "from": 5.0}
 SPRUNG = {"foot_mass": 1.0, "leg_damping": 100.0}
 CALM = {"wind": {"direction": [1, 0], "speed": 0.0}}
