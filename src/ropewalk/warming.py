@@ -43,19 +43,40 @@ loads:
   one: {{kind: {load}, on: rope, travel: {{speed: 5, from: 3 m}}}}
 run: {{kind: dynamic, until: 0.1 ms}}
 """
+_NET = """
+nets:
+  net: {{kind: net, corner: [0, 0, 0], sides: [[3, 0, 0], [0, 2, 0]], cells: [6, 4], mesh: 500 mm,
+    axial_stiffness: 12 kN, mass: 0.02, tension: 40}}
+loads:
+  one: {{kind: {load}, on: net, travel: {{speed: 1, path: [[0.6, 1], [2.4, 1]]}}}}
+run: {{kind: dynamic, until: 0.1 ms, start: {{with_loads: true}}}}
+"""
+_OVERHEAD = """
+overhead_lines:
+  line: {{spans: {{count: 2, length: 50}}, contact_wire: {{mass: 1, tension: 15 kN}}, droppers: {{per_span: 5}},
+    messenger_wire: {{mass: 0.6, tension: 10 kN}}, system_height: 1.4}}
+loads: {{one: {{kind: pantograph, on: line, model: en50318-2002, static_force: 100, travel: {{speed: 20}}}}}}
+run: {{kind: dynamic, until: 0.1 ms, geometry: {geometry}}}
+"""
+_YIELDING = "end_support: {kind: elastic, stiffness: [100 kN/m, 100 kN/m], mass: 1}, "
 _FORCE, _MASS, _STIFF = "force, force: [0, -500]", "mass, mass: 10", "bending_stiffness: 1 kN*m^2, "
 COMMON: dict[str, tuple[str, ...]] = {
-    "lines with saddles, sheaves or segments, overhead lines, nets": (_SADDLE.format(load=_MASS),),
+    "lines with saddles, sheaves or segments, nets": (_SADDLE.format(load=_MASS), _NET.format(load=_MASS)),
     "joined lines": (_TAUT.format(line="", load=_FORCE), _TAUT.format(line="", load=_MASS)),
     "a rope": (
         _ROPE.format(line="", load=_FORCE, run=""),
         _ROPE.format(line="", load=_MASS, run=""),
         _ROPE.format(line="axial_damping: 50, ", load=_MASS, run=""),
+        _ROPE.format(line=_YIELDING, load=_MASS, run=""),
+        _ROPE.format(line=_YIELDING, load=_FORCE, run=""),
     ),
-    "a beam or stiff cable": (
+    "a beam, a stiff cable, an overhead line": (
         _ROPE.format(line=_STIFF, load=_MASS, run=", geometry: linearised").replace("length: 20 m", "tension: 20 kN"),
         _ROPE.format(line=_STIFF, load=_MASS, run=""),
+        _OVERHEAD.format(geometry="linearised"),
+        _OVERHEAD.format(geometry="nonlinear"),
     ),
+    "a rope by the implicit method": (_ROPE.format(line="axial_damping: 50, ", load=_FORCE, run=", method: implicit"),),
 }
 """What most runs need: scenarios, in groups that share kernels, those first that take longest."""
 
