@@ -7,7 +7,10 @@ from collections import Counter
 import pytest
 from hypothesis import settings
 
-LONG = ("test_kills.py", "test_bounds.py", "test_pages.py", "test_cluster.py", "test_full_disk.py", "test_site.py")
+LONG = (
+    "test_browser.py", "test_kills.py", "test_bounds.py", "test_pages.py", "test_cluster.py", "test_full_disk.py",
+    "test_site.py", "test_sweep_command.py", "test_no_other_error_escapes.py",
+)  # fmt: skip
 """Files of few tests that take long: begun last, they would leave one worker alone."""
 
 # Before NumPy is there, and for all processes that tests begin: with a thread for each core, two workers on two cores
