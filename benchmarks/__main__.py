@@ -6,6 +6,7 @@ import argparse
 import sys
 
 from . import (
+    accuracy,
     bodies,
     cold,
     continuum,
@@ -35,7 +36,7 @@ def main() -> None:
         "what", nargs="?", default="all",
         choices=["all", "peers", "continuum", "cost", "cold", "statics", "theory", "bodies", "overhead",
                  "nets", "cosim", "crossings", "endurance", "gate", "many", "mesh", "output", "scaling", "studio",
-                 "throughput"],
+                 "throughput", "accuracy"],
         help="peers: error against CPU time beside other packages; continuum: riding beside sharing; cost: scaling; "
         "cold: first runs without and with compiled kernels; "
         "statics: thousands of load positions, and MoorPy; theory: closed forms on large fields; "
@@ -48,6 +49,7 @@ def main() -> None:
         "studio: frames a second in a browser, from the mouse to the rope, memory (--minutes); "
         "output: what output instants and first runs cost, and large results; "
         "mesh: errors of meshes beside what is told of them; "
+        "accuracy: error of a path over CPU time, against exact ones; "
         "gate: one problem, two schemes for contacts, one exact answer (only rows whose names contain --row)",
     )  # fmt: skip
     parser.add_argument("--row", action="append", default=[], help="part of the names of rows of gate")
@@ -91,6 +93,8 @@ def main() -> None:
         gate.main(asked.row)
     if what in ("all", "mesh"):
         mesh.main()
+    if what in ("all", "accuracy"):
+        accuracy.main()
     if what in ("all", "peers"):
         sys.argv = ["benchmarks.peers", "--case", "all"]
         peers.main()

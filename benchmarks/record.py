@@ -41,6 +41,7 @@ TABLES = {
     "theory": ("Closed forms on large fields", "-m benchmarks theory"),
     "crossings": ("All trains at all speeds", "-m benchmarks crossings"),
     "mesh": ("The error of the mesh beside what is told of it", "-m benchmarks mesh"),
+    "accuracy": ("Error of a path over CPU time, against exact ones", "-m benchmarks accuracy"),
     "bodies": ("Moving bodies", "-m benchmarks bodies"),
     "nets": ("A mass that crosses a net", "-m benchmarks nets"),
     "overhead": ("Overhead lines against real time", "-m benchmarks overhead"),
