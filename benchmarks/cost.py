@@ -1,4 +1,4 @@
-"""Cost per node and step from 50 to 100 000 links, of two joined ropes beside one, import time, and first calls."""
+"""Cost per node and step from 50 to a million links, of two joined ropes beside one, import time, and first calls."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from ropewalk.solve.start import setting_of, start_state
 from ropewalk.system import motion
 from ropewalk.system.moving import SystemMotion
 
-LINKS = (50, 200, 800, 3200, 12_800, 100_000)
+LINKS = (50, 200, 800, 3200, 12_800, 100_000, 1_000_000)
 WORK = 4e6  # node steps per measurement
 
 
