@@ -11,6 +11,8 @@ from copy import deepcopy
 from statistics import median
 
 import numpy as np
+from numba import njit
+from numpy.typing import NDArray
 
 from ropewalk.mechanics.chain import ChainBuffers
 from ropewalk.mechanics.compiled import entry_of
@@ -23,6 +25,7 @@ from ropewalk.solve.start import setting_of, start_state
 from ropewalk.system import motion
 from ropewalk.system.moving import SystemMotion
 
+Array = NDArray[np.float64]
 LINKS = (50, 200, 800, 3200, 12_800, 100_000, 1_000_000)
 WORK = 4e6  # node steps per measurement
 
@@ -62,12 +65,44 @@ def nanoseconds(elements: int, method: str, damping: float) -> float:
     return 1e9 * median(times[1:])
 
 
+@njit(error_model="numpy", fastmath={"contract", "nsz"}, _nrt=False)
+def _bare(steps: int, x: Array, z: Array, u: Array, w: Array, fx: Array, fz: Array) -> None:
+    stiff, h, dt = 1e5, 20.0 / (x.size - 1), 1e-4 * 20.0 / (x.size - 1)
+    for _ in range(steps):
+        for i in range(x.size - 1):
+            dx, dz = x[i + 1] - x[i], z[i + 1] - z[i]
+            pull = stiff * (1.0 / h - 1.0 / np.sqrt(dx * dx + dz * dz))
+            fx[i + 1], fz[i + 1] = pull * dx, pull * dz
+        for i in range(1, x.size - 1):
+            u[i] += dt / h * (fx[i + 1] - fx[i])
+            w[i] += dt / h * (fz[i + 1] - fz[i]) - 9.81 * dt
+        for i in range(1, x.size - 1):
+            x[i] += dt * u[i]
+            z[i] += dt * w[i]
+
+
+def bare(elements: int) -> float:
+    """The same of a loop over links in the plane and nothing else: Hooke's law, kick and drift, without a load; ns.
+
+    With a root and a division for each link: inverse lengths that are improved, as in the kernels, cost half.
+    """
+    count, times = max(int(WORK / elements), 20), []
+    for _ in range(8):
+        state = np.zeros((6, elements + 1))
+        state[0] = np.linspace(0.0, 20.2, elements + 1)
+        start = clock.process_time()
+        _bare(count, *state)
+        times.append((clock.process_time() - start) / count / elements)
+    return 1e9 * median(times[1:])
+
+
 def scaling() -> None:
     """Print the cost over the number of links; it should stay flat until the arrays leave the caches."""
-    print("\nCost per node and step, ns (RKN6: per node and force evaluation)")
-    print(f"{'links':>8}{'verlet':>10}{'rkn6':>10}{'damped':>10}")
+    print("\nCost per node and step, ns (RKN6: per node and force evaluation); a bare loop has no load and no account")
+    print(f"{'links':>8}{'bare':>10}{'verlet':>10}{'rkn6':>10}{'damped':>10}")
     for elements in LINKS:
         row = [
+            bare(elements),
             nanoseconds(elements, "verlet", 0.0),
             nanoseconds(elements, "rkn6", 0.0) / 11,
             nanoseconds(elements, "verlet", 50.0),
