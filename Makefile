@@ -24,7 +24,7 @@ SOLVE := rest chain_against_closed_forms coupled_equilibrium inextensible suppor
 WIRES := equilibrium_of_wires spectrum_of_wires doubts_of_stiff_lines
 WEBS := networks wind
 ELSEWHERE ?= --ignore-glob='tests/mechanics/test_kernel_*.py' --ignore=tests/mechanics/test_compiling.py tests/theory tests/mechanics $(SOLVE:%=tests/solve/test_%.py) $(WIRES:%=tests/wires/test_%.py) \
-  $(WEBS:%=tests/networks/test_%.py)
+  $(WEBS:%=tests/system/test_%.py)
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from scipy.sparse import linalg
 
+from ropewalk.mechanics.chain import Array
 from ropewalk.model import Scenario
-from ropewalk.networks.assembly import Laid
-from ropewalk.networks.lengths import laid_at_rest
-from ropewalk.networks.network import Array
-from ropewalk.networks.potential import NetworkPotential
 from ropewalk.simulate import simulate
+from ropewalk.system.loaded_structure import LoadedStructure
+from ropewalk.system.membranes import MembraneMesh
+from ropewalk.system.rest import at_rest
+from ropewalk.system.statics import SystemPotential
+from ropewalk.system.structure import Structure
+from ropewalk.system.structures import structure_of
 
 FLAT = {"corner": [0.0, 0.0, 0.0], "sides": [[4.0, 0.0, 0.0], [0.0, 3.0, 0.0]]}
 
@@ -53,16 +58,30 @@ def rested(sheet, loads=None, gravity=0.0, kind="equilibrium", **run):
     return result
 
 
-def standing(sheet, gravity=0.0) -> tuple[Laid, Array]:
+class Standing(NamedTuple):
     """A net at rest without loads."""
-    return laid_at_rest(scenario(sheet, gravity=gravity), 0.0)
+
+    structure: Structure
+    membranes: tuple[MembraneMesh, ...]
+
+    def potential(self, r: Array) -> SystemPotential:
+        """Its potential energy about a shape (node, 3)."""
+        return SystemPotential(self.structure, LoadedStructure(self.structure, r.T.copy()), 4.0)
 
 
-def small_deflection(laid: Laid, r: Array, force: Array) -> Array:
+def standing(sheet, gravity=0.0) -> tuple[Standing, Array]:
+    """A net at rest without loads, and where its nodes are, (node, 3) m."""
+    found = structure_of(scenario(sheet, gravity=gravity), 0.0)
+    assert found.nets is not None
+    structure, r = at_rest(found.structure, np.array([0.0, 0.0, -gravity]), found.near)
+    return Standing(structure, found.nets.membranes), r.T.copy()
+
+
+def small_deflection(laid: Standing, r: Array, force: Array) -> Array:
     """Deflection of all nodes (node, 3) by small forces (node, 3)."""
-    potential = NetworkPotential(laid.network)
-    K = potential.stiffness(r)
-    return np.asarray(potential.free @ linalg.spsolve(K, potential.free.T @ force.ravel())).reshape(-1, 3)
+    potential = laid.potential(r)
+    K = potential.stiffness(r.T.ravel())
+    return np.asarray(potential.free @ linalg.spsolve(K, potential.free.T @ force.T.ravel())).reshape(3, -1).T
 
 
 def order(errors) -> Array:

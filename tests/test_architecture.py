@@ -20,7 +20,7 @@ HOUSE = Path(ropewalk.__file__).parent
 LAYERS = (
     ("errors", "units", "hooks", "interrupts", "renamed"), ("checkpoint",), ("model",),
     ("theory",), ("mechanics",), ("external",),
-    ("controllers",), ("results",), ("solve",), ("linear",), ("wires",), ("overhead",), ("networks",), ("system",),
+    ("controllers",), ("results",), ("solve",), ("linear",), ("wires",), ("overhead",), ("system",),
     ("capabilities",), ("chains", "wiring"), ("meshes",), ("impact",), ("simulate",), ("effort",), ("decouple",),
     ("coupling",), ("scenario",), ("resuming",), ("cli",), ("__main__",),
 )  # fmt: skip
@@ -30,7 +30,7 @@ ABOVE = ("calc", "compare", "paper", "sweeps", "designs", "cosim", "studio", "wa
 USES_THEORY = ("theory", "linear", "calc", "compare", "paper", "validation")
 LONGEST_FILE = 500
 # Who computes.
-SOLVERS = ("solve", "linear", "wires", "overhead", "networks", "chains", "wiring", "simulate")
+SOLVERS = ("solve", "linear", "wires", "overhead", "chains", "wiring", "simulate")
 
 
 def layer(name: str) -> int:
@@ -124,7 +124,6 @@ def reached_from(start: Path) -> set[str]:
 
 
 MACHINE = ("checkpoint", "model", "mechanics", "external", "controllers", "results", "solve", "wires", "overhead",
-           "networks",
            "system", "chains", "wiring")  # fmt: skip
 
 
@@ -174,8 +173,8 @@ EXAMPLES = HOUSE.parents[1] / "examples"
 @pytest.mark.parametrize(
     ("example", "spared"),
     [
-        ("moving-force", ("theory", "wires.", "overhead", "networks.")),
-        ("simple-ac-275", ("theory", "chains", "networks.")),
+        ("moving-force", ("theory", "wires.", "overhead")),
+        ("simple-ac-275", ("theory", "chains")),
     ],
 )
 def test_a_motion_imports_what_it_uses(example: str, spared: tuple[str, ...]) -> None:

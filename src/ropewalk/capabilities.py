@@ -21,7 +21,6 @@ from ropewalk.model.run import HIGH_ORDER, Dynamic, Equilibrium, Linear
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.train import Train, TrainSection
 from ropewalk.model.walker import Walker
-from ropewalk.networks import capabilities as networks
 from ropewalk.solve import capabilities as ropes
 from ropewalk.system import capabilities as system
 from ropewalk.wires import capabilities as wires
@@ -37,7 +36,6 @@ class Engine:
 
 ROPES = Engine(ropes.MOTION, ropes.AT_REST)
 WIRES = Engine(wires.MOTION, wires.AT_REST)
-NETWORKS = Engine(networks.AT_REST, networks.AT_REST)
 SYSTEM = Engine(system.MOTION, system.AT_REST)
 LINEAR = Engine(linear.CAPABILITIES, linear.CAPABILITIES)
 SUPERPOSED = Engine(system.LINEAR, system.LINEAR)
@@ -51,7 +49,7 @@ def engine_of(asked: Parts | Scenario) -> Engine:
     if isinstance(parts.run, Linear):
         return _of_linear_theory(parts)
     if parts.is_network:
-        return _of_networks(parts)
+        return SYSTEM
     return _of_beams(parts) if parts.has_bending_stiffness else _of_ropes(parts)
 
 
@@ -100,21 +98,6 @@ def _asks_for_a_method(parts: Parts) -> bool:
 
 def _rubs(load: AnyLoad | None) -> bool:
     return isinstance(load, MovingForce) and load.contact in RUBBING
-
-
-def _of_networks(parts: Parts) -> Engine:
-    """The system for motions and for rest without loads; else the engine that supports what is asked, or more of it.
-
-    Where loads bend lines sharply, polygons are exact beside them, and nodes on splines right to the first order of
-    the mesh. A node that comes to rest at a sheave is on the tip of a cone, from which only networks are pushed over.
-    """
-    run = parts.run
-    if isinstance(run, Dynamic):
-        return SYSTEM
-    if parts.runs_over_sheaves:
-        return NETWORKS
-    is_bare = isinstance(run, Equilibrium) and not parts.loads
-    return SYSTEM if parts.nets or is_bare or _refused(SYSTEM, parts) < _refused(NETWORKS, parts) else NETWORKS
 
 
 def _of_beams(parts: Parts) -> Engine:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ropewalk.capabilities import NETWORKS, SYSTEM, WIRES, check_without_feedback, engine_of
+from ropewalk.capabilities import SYSTEM, WIRES, check_without_feedback, engine_of
 from ropewalk.errors import Problem, RopewalkError, ScenarioError
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.contact_points import ContactPoint, wheels_of
@@ -144,7 +144,7 @@ def _static_forces(scenario: Scenario, names: list[str]) -> dict[str, tuple[floa
     if not names:
         return {}
     engine = engine_of(scenario)
-    if engine in (SYSTEM, NETWORKS, WIRES):
+    if engine in (SYSTEM, WIRES):
         grounds = {name: _ground_of(scenario, name, 0.0) for name in names}
         lines, loads = ({name: pair[i] for name, pair in grounds.items()} for i in (0, 1))
         scenario = Scenario(gravity=scenario.gravity, lines=lines, loads=loads, run=Equilibrium())
@@ -259,7 +259,7 @@ def _ground_of(scenario: Scenario, name: str, until: float) -> tuple[Line, AnyLo
     if line is None:  # a net: straight ahead, whichever way leads over it
         length = 1.0
         line = Line(start=(0.0, 0.0), end=(length, 0.0), length=length, mass=1.0, axial_stiffness=1.0)
-    elif engine_of(scenario) in (SYSTEM, NETWORKS, WIRES):
+    elif engine_of(scenario) in (SYSTEM, WIRES):
         length = line.length or line.distance
     else:
         setting = setting_of(scenario, 0.0)

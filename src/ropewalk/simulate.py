@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ropewalk.capabilities import (
-    NETWORKS,
     SUPERPOSED,
     SYSTEM,
     WIRES,
@@ -257,13 +256,10 @@ def _still(scenario: Scenario, run_info: RunInfo) -> StaticEngine:
     until = horizon(scenario) if isinstance(scenario.run, Quasistatic) and not scenario.nets else 0.0
     engine = engine_of(scenario)
     if engine is SYSTEM:
-        from ropewalk.system import still as system  # lazy: most runs do not need it
+        from ropewalk.system.rest_under_forces import RestUnderForces, is_split  # lazy: most runs do not need it
+        from ropewalk.system.still import SystemStatics
 
-        return system.SystemStatics(scenario, run_info, until)
-    if engine is NETWORKS:
-        from ropewalk.networks import still as networks  # lazy: most runs do not need it
-
-        return networks.NetworkStatics(scenario, run_info, until)
+        return (RestUnderForces if is_split(scenario) else SystemStatics)(scenario, run_info, until)
     if engine is WIRES:
         from ropewalk.wires import still as wires  # lazy: as above
         from ropewalk.wiring import task_of

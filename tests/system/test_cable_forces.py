@@ -10,10 +10,10 @@ import pytest
 
 from motion_cases import order
 from ropewalk.model import Scenario
-from ropewalk.system.assembly import structure_of
 from ropewalk.system.loaded_structure import LoadedStructure
 from ropewalk.system.rest import settle
 from ropewalk.system.statics import SystemPotential
+from ropewalk.system.structures import structure_of
 
 CLAMPED = {"kind": "fixed", "clamped": True}
 

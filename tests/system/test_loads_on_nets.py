@@ -12,8 +12,8 @@ import pytest
 from numpy.typing import NDArray
 
 from ropewalk.model import Scenario
-from ropewalk.networks.surface import polygon, rectangle
 from ropewalk.simulate import simulate, spectrum_of
+from ropewalk.system.surface import polygon, rectangle
 from ropewalk.system.surface_paths import patch
 
 Tree = dict[str, Any]

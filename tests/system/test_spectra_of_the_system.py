@@ -15,10 +15,10 @@ from motion_cases import order
 from ropewalk.model import Scenario
 from ropewalk.simulate import spectrum_of
 from ropewalk.system.air import damping_by_wind
-from ropewalk.system.assembly import structure_of
 from ropewalk.system.rest import at_rest
 from ropewalk.system.still import _add_wind_forces
 from ropewalk.system.structure import Buffers
+from ropewalk.system.structures import structure_of
 
 BEAM = {
     "start": [0, 0], "end": [1, 0], "length": 1.0, "mass": 1.0, "axial_stiffness": 1e6, "bending_stiffness": 1.0,

@@ -19,11 +19,11 @@ from continuous_beams import EI, MASS, under_a_moving_force
 from ropewalk.capabilities import SUPERPOSED, engine_of
 from ropewalk.errors import EquilibriumError
 from ropewalk.model import Linear, Scenario
-from ropewalk.networks.lengths import laid_at_rest
 from ropewalk.results.frame import Frame, RunInfo
 from ropewalk.simulate import output_times, simulate
 from ropewalk.solve.modal import ModalBasis, ModalStep
 from ropewalk.solve.radau_iia import C as STAGES
+from ropewalk.system.membranes import sheet_of
 from ropewalk.system.superposed import Superposed
 from ropewalk.theory import beam_crossing
 from ropewalk.theory import membrane as theory
@@ -125,9 +125,9 @@ def test_modes_of_a_net_under_a_moving_force_converge_to_the_closed_form() -> No
         load = {"kind": "force", "on": "net", "force": [0, 0, -0.01]}
         travel = {"path": [[0.0, 1.2], [4.0, 1.2]], "speed": 1.0}
         bare = given({}, {"p": {**load, "travel": travel}}, 1.0, 1.0, nets={"net": sheet}, gravity=0.0)
-        laid, _ = laid_at_rest(bare.model_copy(update={"loads": {}}), 0.0)
-        weight = laid.membranes[0].weight
-        mass, plan = weight.sum() / 12.0, laid.membranes[0].surface.plan
+        laid = sheet_of("net", bare.nets["net"])
+        weight = laid.weight
+        mass, plan = weight.sum() / 12.0, laid.surface.plan
         speed = 0.5 * np.sqrt(500.0 / mass)
         until = 3.2 / speed
         loads = {"p": {**load, "travel": {**travel, "speed": speed}}}

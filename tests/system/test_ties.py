@@ -16,11 +16,11 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 from ropewalk.model import Scenario
-from ropewalk.system.assembly import structure_of
 from ropewalk.system.loaded_structure import LoadedStructure
 from ropewalk.system.rest import settle
 from ropewalk.system.statics import SystemPotential
 from ropewalk.system.structure import Structure
+from ropewalk.system.structures import structure_of
 from ropewalk.system.ties import Point, Tie, ties_of
 
 Array = NDArray[np.float64]

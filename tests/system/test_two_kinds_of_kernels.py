@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from ropewalk.model import Scenario
-from ropewalk.system.assembly import structure_of
 from ropewalk.system.structure import Buffers, Structure
+from ropewalk.system.structures import structure_of
 from ropewalk.system.ties import Point, Tie, ties_of
 
 ROPE = {"start": (0, 0), "end": (20, 0), "length": 20.0, "mass": 2.0, "axial_stiffness": 1e6, "elements": 8}

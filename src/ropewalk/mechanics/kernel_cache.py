@@ -29,7 +29,7 @@ from numba.core.registry import cpu_target
 from ropewalk.mechanics.kernel_parts import rebuilt, reduced
 
 PACKAGE = Path(__file__).parents[1]
-HOLD_KERNELS = ("mechanics", "solve", "system", "networks", "wires")
+HOLD_KERNELS = ("mechanics", "solve", "system", "wires")
 """Folders of the package whose files hold kernels, or constants that are compiled into them."""
 _PREFIX = "kernels-"
 PARTS = "parts"

@@ -15,7 +15,7 @@ from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.solve.sensitivity import NotBesideError, Rests, Solve, by_factors, present
 from ropewalk.solve.symmetric import IndefiniteError, Solver, Way, modes
 
-_FULL_STEPS, _MOST_STEPS = 40, 2000
+_FULL_STEPS, _FEW_STEPS, _MOST_STEPS = 40, 12, 2000
 # Of the size of the structure: longer steps are cut.
 _LONGEST = 0.1
 # Of the size: a step this small is the last one, as is the first that is no smaller than before, if it is small enough
@@ -144,8 +144,28 @@ def _minimum(potential: Potential, start: Array, way: Way) -> Array | None:
     return found if found is not None and (definite or is_least(potential, found, way)) else None
 
 
-def newton(potential: Potential, start: Array, way: Way = "auto") -> tuple[Array | None, bool]:
+def nearest(potential: Potential, start: Array, way: Way = "auto") -> Array:
+    """The same as `settle` from a shape that is close by: by few steps of Newton's method, or not at all.
+
+    Raises:
+        EquilibriumError: it is not close by.
+    """
+    if present() is not None or potential.out_of_balance(start).size == 0:
+        return settle(potential, start, way)
+    found, definite = newton(potential, start, way, _FEW_STEPS)
+    if found is None or not (definite or is_least(potential, found, way)):
+        raise EquilibriumError("no rest was found close by")
+    return found
+
+
+def newton(potential: Potential, start: Array, way: Way = "auto", steps: int = 0) -> tuple[Array | None, bool]:
     """Where Newton's method in full steps ends, cut where they are long, and whether the stiffness is definite there.
+
+    Args:
+        potential: of the structure.
+        start: a shape, m.
+        way: of solving, see `solve/symmetric.py`.
+        steps: at most; 0: as many as it takes.
 
     Returns:
         The shape, None if it does not converge; and False, too, where the stiffness is not symmetric.
@@ -153,7 +173,7 @@ def newton(potential: Potential, start: Array, way: Way = "auto") -> tuple[Array
     r, size, before = start.copy(), potential.size, np.inf
     solver: Solver | None = None
     stalled = list[Array]()  # shapes out of balance by no more than rounding
-    for _ in range(_FULL_STEPS):
+    for _ in range(steps or _FULL_STEPS):
         K, out = potential.stiffness(r), potential.out_of_balance(r)
         if potential.is_symmetric and solver is None:
             solver = Solver(_with_diagonal(potential.pattern(r)), way)
@@ -275,6 +295,7 @@ def _off_saddle(potential: Potential, r: Array) -> Array:
     K, unknowns = potential.stability(r)
     energy, step = potential.energy(r), np.zeros(potential.out_of_balance(r).size)
     curved = modes(K, np.ones(K.shape[0]), 1)[1][:, 0]
+    curved = np.where(np.abs(curved) > _NEUTRAL * np.abs(curved).max(), curved, 0.0)  # what is in a plane stays there
     step[unknowns] = potential.size * curved / np.abs(curved).max()
     for far in _LEAPS:
         for side in (far, -far):

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics import law
-from ropewalk.mechanics.assembly import axes_of, components, pack, speed_table
+from ropewalk.mechanics.assembly import components, pack, speed_table
 from ropewalk.mechanics.bodies import Bodies as AssembledBodies
 from ropewalk.mechanics.chain import BLOCK, COULOMB, DRAGGED, FRICTIONLESS, Array, Integers
 from ropewalk.mechanics.compiled import records
@@ -23,28 +22,26 @@ from ropewalk.model.net import CableEdge
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.support import Fixed
 from ropewalk.model.travel import FreeTravel
-from ropewalk.networks.assembly import Laid, lay
 from ropewalk.system import friction
 from ropewalk.system.assembled import Assembled
 from ropewalk.system.bodies import BLOWN, BodyArrays
 from ropewalk.system.carriage_assembly import with_carriages
 from ropewalk.system.carriages import Carriages
-from ropewalk.system.constrained import lent, nearly
+from ropewalk.system.constrained import lent
 from ropewalk.system.contacts import BODY, CONTACT, FORCE, FREE
 from ropewalk.system.feet import is_led, steps_by_table, with_steps
 from ropewalk.system.friction import NOT, STANDS
 from ropewalk.system.hysteresis import packed_of
-from ropewalk.system.lengths import with_tensions
-from ropewalk.system.overhead_lines import overhead_lines_of
+from ropewalk.system.laid import Laid
 from ropewalk.system.profile import Profiles
 from ropewalk.system.restraints import restraints_of
-from ropewalk.system.saddles import laid_over_saddles, saddles_of
+from ropewalk.system.saddles import saddles_of
 from ropewalk.system.sections import sections_of, sheaves_of
 from ropewalk.system.segments import Segments
 from ropewalk.system.structure import About, Inertia, Lines, Nodes, Restraints, Runs, Structure, WindField
 from ropewalk.system.surface_paths import Nets
 from ropewalk.system.tethers import TETHER
-from ropewalk.system.tracks import on_ends, with_tracks
+from ropewalk.system.tracks import with_tracks
 from ropewalk.system.travel import Tables
 
 # Sine of the angle to the vertical below which a way on a net goes straight up.
@@ -89,40 +86,17 @@ def _cables(scenario: Scenario, axes: tuple[str, ...]) -> dict[str, _Cable]:
     return cables
 
 
-def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None = None) -> Assembled:
-    """The structure of a scenario, without its loads.
-
-    Args:
-        scenario: what is there.
-        until: how long histories are needed, s.
-        axes: names of the axes, if not those that the scenario needs.
-
-    Raises:
-        EquilibriumError: its lines have no rest, or not with their tensions.
-    """
-    if scenario.overhead_lines:
-        return overhead_lines_of(scenario, axes)
-    near, named, parts = nearly(on_ends(scenario)), axes or axes_of(scenario), scenario.parts
-
-    def build(lengths: Mapping[str, float] | None, beside: Assembled | None) -> Assembled:
-        if lengths is None or beside is None or scenario.tracks or parts.runs_over_sheaves or parts.has_saddles:
-            return _assembled(scenario, *laid_over_saddles(near, until, lengths), until, named)
-        laid = lay(near, lengths, until)
-        found = _assembled(scenario, laid, laid.place, until, named)
-        return replace(found, near=found.structure.restraints.put(beside.near))
-
-    if any(line.length is None for line in scenario.lines.values()):
-        return with_tensions(scenario, build)
-    return build(None, None)
-
-
-def _assembled(scenario: Scenario, laid: Laid, rest: Array, until: float, axes: tuple[str, ...]) -> Assembled:
+def assembled_of(scenario: Scenario, laid: Laid, rest: Array, until: float, axes: tuple[str, ...]) -> Assembled:
     """The structure of a scenario laid out, whose nodes rest about at places (node, 3) in m."""
     displayed, dim = [0, 2] if len(axes) == 2 else [0, 1, 2], len(axes)
     nets = Nets(scenario, laid) if scenario.nets else None
     sections = list(sections_of(scenario, laid, set(nets.corners()) if nets is not None else set()))
     original = np.concatenate(
-        [np.zeros(0, dtype=np.int64), *(node for _, node, _ in sections), laid.network.sheaves.node]
+        [
+            np.zeros(0, dtype=np.int64),
+            *(node for _, node, _ in sections),
+            np.array([s.node for s in laid.sheaves], dtype=np.int64),
+        ]
     )
     if nets is not None:
         original = nets.number(original)

@@ -24,6 +24,7 @@ from ropewalk.model.support import Fixed, Moving
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.vehicle import Vehicle
 from ropewalk.model.walker import Walker
+from ropewalk.system.lines_over_sheaves import beside_sheaves, over_sheaves
 from ropewalk.system.methods import of_methods
 from ropewalk.system.several_lines import of_several_lines
 
@@ -44,7 +45,7 @@ def _only_lines(parts: Parts) -> Iterator[Finding]:
         if line is not None:
             yield from _of_winches(name, line, run)
         if line is not None and line.sheaves:
-            yield from _over_sheaves(name, line, parts)
+            yield from over_sheaves(name, line, parts)
         if line is not None and line.saddles:
             yield from _over_saddles(name, line, parts)
 
@@ -98,25 +99,6 @@ def _over_profiles(parts: Parts) -> Iterator[Finding]:
             if isinstance(load, Walker | ExternalModel):
                 feature, remedy = f"a load of kind {load.kind} on a profile", "leave profile out"
                 yield missing(path, _SYSTEM, name_of_load, remedy, feature=feature)
-
-
-def _over_sheaves(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
-    """Lines bend sharply at sheaves, which have no size; results do not hold how far they have run over these."""
-    what, run = "lines over sheaves", parts.run
-    for key in ("bending_stiffness", "foundation"):
-        if getattr(line, key):
-            yield missing(("lines", name, key), what, str(getattr(line, key)), f"leave {key} out")
-    for sheave, wheel in line.sheaves.items():
-        if wheel.to is not None and wheel.to in parts.joints and not _has_mass(wheel.to, parts):
-            remedy = f"give joints.{wheel.to} a mass"
-            feature = "a joint without mass that hangs on sheaves alone"
-            yield missing(("lines", name, "sheaves", sheave, "to"), what, wheel.to, remedy, feature=feature)
-    if isinstance(run, Dynamic) and run.geometry == "linearised":
-        yield missing(("run", "geometry"), what, "linearised", "write geometry: nonlinear")
-    if isinstance(run, Dynamic) and run.axial_inertia != 1.0:
-        yield missing(("run", "axial_inertia"), what, f"{run.axial_inertia:g}", "leave axial_inertia out")
-    if isinstance(run, Dynamic) and run.start.kind == "result":
-        yield missing(("run", "start", "kind"), what, "result", "start at rest, or from a mode")
 
 
 def _of_segments(name: str, line: Line) -> Iterator[Finding]:
@@ -215,13 +197,6 @@ def _over_saddles(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
             feature, remedy = "friction on saddles without inertia", "leave friction out, or ask for kind: dynamic"
             path = ("lines", name, "saddles", saddle, "friction")
             yield missing(path, what, f"{own.friction:g}", remedy, feature=feature)
-
-
-def _has_mass(joint: str, parts: Parts) -> bool:
-    """Whether a joint has a mass, or an end of a line."""
-    ends = (support for line in parts.lines.values() if line is not None for _, support in line.ends())
-    tied = any(isinstance(support, Joined) and support.to == joint for support in ends)
-    return tied or bool(getattr(parts.joints[joint], "mass", 1.0))
 
 
 def between_nodes(name: str, elements: int) -> Finding:
@@ -376,7 +351,7 @@ _LINEAR, _DYNAMIC = "kind: linear", "ask for kind: dynamic"
 _LAWS = ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table", "webbing")
 _MORE = (
     _accuracy, _only_lines, _over_profiles, _overhead, _inextensible, _in_a_window, _joined_between_nodes, _of_loads,
-    _of_tracks, _on_nets, supported_by_tension, of_methods, of_several_lines,
+    beside_sheaves, _of_tracks, _on_nets, supported_by_tension, of_methods, of_several_lines,
 )  # fmt: skip
 MOTION = Capabilities(
     _SYSTEM,

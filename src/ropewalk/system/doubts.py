@@ -25,6 +25,8 @@ _LITTLE = 1e-2
 # Strain of a hauling rope up to which it is slack: rounding. Beside a counter rope its pull is told as a difference of
 # forces, along the chord of its wheels: of a slack one 5e-4 of the counter rope's tension were left.
 _SLACK, _REST_OF_COUNTER = 1e-9, 2e-3
+# Tension over EA of a line at rest that nothing pulls at.
+_NOTHING = 1e-10
 # Length of links over the smallest rocker from which on single wheels on a saddle are not resolved.
 _COARSE = 1.5
 
@@ -139,4 +141,27 @@ def doubt_struts(assembled: Assembled, buffers: Buffers, run_info: RunInfo, t: f
             run_info.doubt(
                 f"line {name} is pushed together at t = {t:.4g} s, and folds as its elements let it",
                 "it is inextensible, and slack there", key, "give it an axial_stiffness with law: tension_only",
+            )  # fmt: skip
+
+
+def doubt_slack(scenario: Scenario, run_info: RunInfo, on: Sequence[str], tension: Array) -> None:
+    """Doubt shapes of lines without stiffness that nothing pulls at: without weight any other is as good.
+
+    Args:
+        scenario: what is there.
+        run_info: takes the doubts.
+        on: (link,) names of the lines of links.
+        tension: (link,) N, at rest.
+    """
+    if scenario.gravity != 0.0:
+        return
+    for name, line in scenario.lines.items():
+        if line.has_bending_stiffness:
+            continue
+        mine = np.array([own == name for own in on])
+        if not line.has_bending_stiffness and np.abs(tension[mine]).max() < _NOTHING * (line.axial_stiffness or 1.0):
+            run_info.doubt(
+                f"line {name} is slack and has no weight: its shape at rest is one of many",
+                "it is longer than the way between what holds it, and gravity is 0", f"lines.{name}.length",
+                "give gravity, or make it shorter",
             )  # fmt: skip

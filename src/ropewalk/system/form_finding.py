@@ -16,8 +16,8 @@ from ropewalk.mechanics.chain import Array
 from ropewalk.model.hangers import Hangers, hanger, unstrained
 from ropewalk.model.line import Line, spatial
 from ropewalk.model.scenario import Scenario
-from ropewalk.system.assembly import structure_of
 from ropewalk.system.rest import at_rest
+from ropewalk.system.structures import structure_of
 
 # Rests that are sought at most, and the part of the span within which feet are where they are wanted.
 _ROUNDS, _NEAR = 40, 1e-8

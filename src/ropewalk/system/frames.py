@@ -11,7 +11,6 @@ from ropewalk.checkpoint import Tree
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.loading import Loading
 from ropewalk.mechanics.multibody_system import FIRM
-from ropewalk.networks.membrane_elements import tensions_of
 from ropewalk.results.audit import Audit, energies
 from ropewalk.results.frame import IN_AIR, MOVES, STICKS, Contacts, Layout
 from ropewalk.results.frames import Frames, summed
@@ -20,6 +19,7 @@ from ropewalk.system.beyond_kinks import beyond_kinks
 from ropewalk.system.bodies import BodyArrays
 from ropewalk.system.contacts import FORCE, ON, PRESCRIBED
 from ropewalk.system.hold_forces import FrictionDemand, beside
+from ropewalk.system.membrane_elements import tensions_of
 from ropewalk.system.sheaves_at_rest import gravitational
 from ropewalk.system.structure import (
     CARRIED,

@@ -21,7 +21,6 @@ from ropewalk.mechanics.multibody_system import hung
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.trolley import Trolley
-from ropewalk.networks.lengths import doubt_slack
 from ropewalk.results.exchanges import external_in
 from ropewalk.results.frame import Layout, RunInfo
 from ropewalk.results.frames import Frames
@@ -29,9 +28,9 @@ from ropewalk.results.running import Ending
 from ropewalk.solve.choice import RKN6_LIMIT, Bounds, rkn6_step
 from ropewalk.solve.composition import RKN6, VERLET
 from ropewalk.solve.stages import LOBATTO, RADAU, Stages
-from ropewalk.system import motion
+from ropewalk.system import doubts, motion
 from ropewalk.system.asking import FAILED, Asking
-from ropewalk.system.assembly import contacts_of, refuse_beyond, structure_of
+from ropewalk.system.assembly import contacts_of, refuse_beyond
 from ropewalk.system.beginning import begin_elsewhere, measure_from_rest
 from ropewalk.system.carriages_at_rest import CarriagesAtRest
 from ropewalk.system.carrier import SHORTER, System, SystemCarrier
@@ -39,7 +38,6 @@ from ropewalk.system.compliance import compliances
 from ropewalk.system.contacts import BODY, FASTEST, ON, PRESCRIBED
 from ropewalk.system.crabs import Crabs, stand_on_lines
 from ropewalk.system.cuts import Cuts, runs_ahead_of_cuts
-from ropewalk.system.doubts import coarse_for_wheels, doubt_saddles, doubt_struts, doubt_wheels, judge_hauling_ropes
 from ropewalk.system.feet import steps_by_table
 from ropewalk.system.frames import FrameBuilder, SystemNote
 from ropewalk.system.hold_forces import on_friction
@@ -51,6 +49,7 @@ from ropewalk.system.segments import mass_of
 from ropewalk.system.stability import GROWN, SAFETY, largest_frequency, largest_step, waves_of, while_passing
 from ropewalk.system.statics import SystemPotential
 from ropewalk.system.structure import WORKS, Buffers, SystemState
+from ropewalk.system.structures import structure_of
 from ropewalk.system.window import Window
 
 if TYPE_CHECKING:
@@ -165,9 +164,9 @@ class SystemMotion:
             stable = largest_step(self.structure, self.contacts, self.bodies, self.rest)
             self._implicit = Implicit(self._system(), self.rest, asked.precision, longest, stable, stages)
         tension = tensions(self.structure, self.state.r)
-        doubt_slack(scenario, run_info, self.layout.link_line, tension[self._builder.link])
+        doubts.doubt_slack(scenario, run_info, self.layout.link_line, tension[self._builder.link])
         cut = cut_by_damping(self.assembled, self.rest, self.times[-1] / self._step)
-        run_info.warnings += [*shaken(scenario), *coarse_for_wheels(scenario), *self._carriages.slack(), *cut]
+        run_info.warnings += [*shaken(scenario), *doubts.coarse_for_wheels(scenario), *self._carriages.slack(), *cut]
 
     @property
     def layout(self) -> Layout:
@@ -409,7 +408,7 @@ class SystemMotion:
         if t == 0.0:
             self._buffers.react(self.structure.restraints)
         self._ask_turned(t)
-        doubt_struts(self.assembled, self._buffers, self.run_info, t)
+        doubts.doubt_struts(self.assembled, self._buffers, self.run_info, t)
         return SystemNote.of(self.state, self._buffers, self.contacts, self.bodies, elastic)
 
     def frames(self, notes: Sequence[SystemNote]) -> Frames:
@@ -417,10 +416,11 @@ class SystemMotion:
         at = SystemNote.together(notes)
         frames = self._builder.build(at)
         self._doubt_speeds(at.t, at.contacts)
-        doubt_saddles(self._scenario, self.run_info, frames, self.layout.node_line)
+        doubts.doubt_saddles(self._scenario, self.run_info, frames, self.layout.node_line)
         if self._carriages.rounds or self._crabs.each:
-            doubt_wheels(self._scenario, self.run_info, frames, self.loading.wheels)
-            judge_hauling_ropes(self._scenario, self.run_info, frames, self.loading.wheels, self.layout.node_line)
+            doubts.doubt_wheels(self._scenario, self.run_info, frames, self.loading.wheels)
+            own = self.loading.wheels, self.layout.node_line
+            doubts.judge_hauling_ropes(self._scenario, self.run_info, frames, *own)
         self._ask_friction(frames, at.contacts)
         return frames
 

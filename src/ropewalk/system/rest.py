@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array
-from ropewalk.mechanics.compiled import records
+from ropewalk.mechanics.compiled import lean, records
 from ropewalk.solve import minimum
 from ropewalk.system import constrained
+from ropewalk.system.cables import add_wind_forces
 from ropewalk.system.loaded_structure import LoadedStructure
 from ropewalk.system.sheaves import STICKS
 from ropewalk.system.statics import SystemPotential
 from ropewalk.system.structure import REST, About, Structure
+
+# Rounds in which lines find their rest in the wind, and the move over their size that is none any more.
+_ROUNDS, _NEAR = 100, 1e-10
 
 
 def settle(structure: Structure, start: Array, *, within: bool = False) -> Array:
@@ -32,14 +38,15 @@ def settle(structure: Structure, start: Array, *, within: bool = False) -> Array
         raise EquilibriumError(f"{error}{remedy if structure.sheaves is not None else ''}") from error
 
 
-def least(potential: SystemPotential, start: Array) -> Array:
-    """The rest next to a shape, at which inextensible links have their lengths.
+def least(potential: SystemPotential, start: Array, *, close: bool = False) -> Array:
+    """The rest next to a shape, or close by or not at all, at which inextensible links have their lengths.
 
     Raises:
         EquilibriumError: there is none.
     """
-    found = minimum.settle if potential.structure.taut is None else constrained.settle
-    return found(potential, start)
+    if potential.structure.taut is not None:
+        return constrained.settle(potential, start)
+    return (minimum.nearest if close else minimum.settle)(potential, start)
 
 
 def at_rest(structure: Structure, gravity: Array, start: Array, *, within: bool = False) -> tuple[Structure, Array]:
@@ -59,31 +66,43 @@ def at_rest(structure: Structure, gravity: Array, start: Array, *, within: bool 
     Raises:
         EquilibriumError: no rest was found.
     """
-    rest, runs = settle(structure, start, within=within), structure.runs
-    restrained, segments = structure.restraints, structure.segments
+    rest = settle(structure, start, within=within)
+    shared = with_ends(structure, gravity, tensions(structure, rest))
+    return shared, settle(shared, rest, within=within)
+
+
+def with_ends(structure: Structure, gravity: Array, tension: Array) -> Structure:
+    """The same with the loads on its links shared among nodes as at rest, see `at_rest`; `tension` of links, N."""
+    restrained, runs = structure.restraints, structure.runs
     fast = {
         int(node) for e in range(restrained.mass.size) if not restrained.free[e].any()
         for node in restrained.members(e)
     }  # fmt: skip
-    T, shift, force = tensions(structure, rest), np.zeros_like(runs.shift), structure.nodes.force.copy()
+    shift, force = np.zeros_like(runs.shift), structure.nodes.force.copy()
+    for s, side, parts in ends_of(structure, tension):
+        end, way = (runs.first[s], 1) if side == 0 else (runs.first[s] + runs.links[s], -1)
+        rho = runs.rho[s] if structure.segments is None else structure.segments.rho[end]
+        for part, node in zip((-parts.sum(), *parts), (0, 1, 2), strict=True):
+            force[:, end + way * node] += part * rho * runs.h[s] * gravity
+        if end in fast:  # elsewhere the inertia of links acts as the wind does, and is lumped
+            shift[s, side] = parts
+    return structure._replace(runs=runs._replace(shift=shift), nodes=structure.nodes._replace(force=force))
+
+
+def ends_of(structure: Structure, tension: Array) -> Iterator[tuple[int, int, Array]]:
+    """Runs and sides at which the next two nodes bear parts (2,) of the load on a link for the end."""
+    runs, segments = structure.runs, structure.segments
     over = set() if structure.sheaves is None else set(structure.sheaves.run.tolist())  # they end beside sheaves
     for s, (first, links, h) in enumerate(zip(runs.first, runs.links, runs.h, strict=True)):
-        for side, (end, way, link) in enumerate(((first, 1, first), (first + links, -1, first + links - 1))):
-            of = (runs.bending[s], runs.rho[s]) if segments is None else (segments.bending[end], segments.rho[end])
-            bending, rho = of[0] / h**2, of[1]
-            whole = max(T[link], 0.0) + bending
+        for side, (end, link) in enumerate(((first, first), (first + links, first + links - 1))):
+            bending = float(runs.bending[s] if segments is None else segments.bending[end]) / h**2
+            whole = max(tension[link], 0.0) + bending
             if runs.clamped[s, side] or whole == 0.0 or links < 2 or not runs.arcs[s]:  # there are no two nodes beside
                 continue
             if s - 1 + side in over:  # where they end changes
                 continue
             zeta = bending / whole
-            parts = np.array([(1.0 - zeta) / 6.0 + zeta / 18.0, (zeta - 1.0) / 24.0 + zeta / 72.0])
-            for part, node in zip((-parts.sum(), *parts), (0, 1, 2), strict=True):
-                force[:, end + way * node] += part * rho * h * gravity
-            if end in fast:  # elsewhere the inertia of links acts as the wind does, and is lumped
-                shift[s, side] = parts
-    shared = structure._replace(runs=runs._replace(shift=shift), nodes=structure.nodes._replace(force=force))
-    return shared, settle(shared, rest, within=within)
+            yield s, side, np.array([(1.0 - zeta) / 6.0 + zeta / 18.0, (zeta - 1.0) / 24.0 + zeta / 72.0])
 
 
 def about_rest(structure: Structure, rest: Array) -> Structure:
@@ -103,3 +122,37 @@ def tensions(structure: Structure, r: Array) -> Array:
     potential = SystemPotential(structure, LoadedStructure(structure, r), 1.0, how=STICKS)
     potential.forces(r.ravel())
     return potential.buffers.tension
+
+
+@lean
+def _add_wind_forces(structure, buffers, r, v, t):
+    """Forces of the wind on what stands still, to `room.air`."""
+    add_wind_forces(structure, buffers, r, v, t, 0.0)
+
+
+def settled_in_wind(potential: SystemPotential, shape: Array, t: float, *, close: bool = False) -> Array:
+    """Rest in the wind as it blows at time t in s, next to a shape: what it pushes at depends on it.
+
+    Args:
+        potential: of the structure.
+        shape: as of the potential.
+        t: s.
+        close: whether it is close by or not wanted.
+
+    Raises:
+        EquilibriumError: there is none.
+    """
+    structure = potential.structure
+    if not structure.wind.direction.any():
+        return least(potential, shape, close=close)
+    potential.loaded.set_wind(t)
+    for done in range(_ROUNDS):
+        r = potential.put(shape)[0]
+        _add_wind_forces(structure.for_kernels, potential.buffers.for_kernels(structure), r, np.zeros_like(r), t)
+        if done and np.array_equal(potential.blown, potential.buffers.air):  # as in calm air
+            return shape
+        potential.blown[:] = potential.buffers.air
+        last, shape = shape, least(potential, shape, close=close)
+        if float(np.abs(shape - last).max()) <= _NEAR * potential.size:
+            return shape
+    raise EquilibriumError("no equilibrium was found in the wind: lines flutter or lift; lower wind.speed")

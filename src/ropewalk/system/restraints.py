@@ -11,7 +11,7 @@ from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.restrained_points import supports_of
 from ropewalk.model.joint import Joined
 from ropewalk.model.scenario import Scenario
-from ropewalk.networks.assembly import Laid
+from ropewalk.system.laid import Laid
 from ropewalk.system.structure import Restraints
 from ropewalk.system.surface_paths import Nets
 
@@ -44,8 +44,8 @@ def restraints_of(
                 continue
             entry |= _restrained(support, place, gravity, until, axes)
     crowns = [saddle for line in scenario.lines.values() for saddle in line.saddles.values()]
-    wheels = (sheave for line in scenario.lines.values() for sheave in line.sheaves.values())
-    for node, sheave in zip(laid.network.sheaves.node.tolist(), wheels, strict=True):
+    for over in laid.sheaves:
+        node, sheave = over.node, scenario.lines[over.line].sheaves[over.name]
         entry = found.setdefault(node, {"node": members[node], "free": np.eye(dim)})
         if sheave.to is None:
             entry |= {"free": np.zeros((dim, dim)), "place": components(sheave.at, axes)}

@@ -11,11 +11,11 @@ import numpy as np
 from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.multibody_system import FIRM
-from ropewalk.networks.membrane_elements import bounds_of_cells
 from ropewalk.system.bodies import BodyArrays
 from ropewalk.system.compliance import CORRECTION, NEAR, PARTS, SHARES, SHORT, compliances
 from ropewalk.system.contacts import BODY
 from ropewalk.system.inertia import stiffer
+from ropewalk.system.membrane_elements import bounds_of_cells
 from ropewalk.system.structure import Structure
 from ropewalk.system.travel import Tables
 from ropewalk.system.yielding import AXIAL, stiffness_at_rest

@@ -243,7 +243,10 @@ class SystemPotential:
         by_forms = [q, arcs + EI * self._forms.weight, SMOOTH * smooth + 2.0 * SHORT_ARC * arced]
         rows = self.rows(r)
         K = self._forms.across.of(np.concatenate([*(by_forms * axes), bed])) + rows.T @ scaled(rows, rise)
-        K = K + self._kinks(rows, rise) + self._of_groups("stiffness", r, u.size) + self._of_restraints("stiffness")
+        if self.loaded.on.size:
+            K = K + self._kinks(rows, rise)
+        for more in (self._of_groups("stiffness", r, u.size), self._of_restraints("stiffness")):
+            K = K + more if more.nnz else K
         if u.size:
             K = K + sparse.block_diag([sparse.csr_matrix((r.size, r.size)), self.loaded.stiffness(u)])
         K = (self.free.T @ K @ self.free).tocsc()
@@ -320,8 +323,6 @@ class SystemPotential:
     def _kinks(self, rows: sparse.csr_matrix, rise: Array) -> sparse.csc_matrix:
         """What contacts add to the second derivatives, (place, place) N/m."""
         contacts, on = self.loaded.contacts, self.loaded.on
-        if not on.size:
-            return sparse.csc_matrix((rows.shape[1], rows.shape[1]))
         beside = self._beside()
         if self.structure.is_linearised:  # kinks and tensions do not know of each other
             return beside
@@ -399,9 +400,17 @@ class SystemPotential:
         parts.append(sparse.block_diag([sparse.csc_matrix((n * self.axes, n * self.axes)), turned]))
         if self.loaded.on.size:
             parts.append(self._around_contacts(count))
+        if not structure.runs.bending.any():  # lines may be straight now
+            parts.append(self._of_any_shape(count))
         free = abs(self.free)
         K = K + free.T @ sum(parts[1:], start=parts[0]) @ free
         return (K + K.T).tocsc()
+
+    def _of_any_shape(self, count: int) -> sparse.csc_matrix:
+        """Which places may feel which by the links of lines, whatever their shape, (place, place)."""
+        n, rng = self.structure.nodes.mass.size, np.random.default_rng(0)
+        rows = self._forms.lengthened.of(rng.random(3 * self.axes * n))
+        return abs(self._forms.across.of(rng.random((3 * self.axes + 1) * n))) + abs(rows.T @ rows)
 
     def _around_contacts(self, count: int) -> sparse.csc_matrix:
         """Which places may feel which under contacts that have no kinks yet, (place, place)."""

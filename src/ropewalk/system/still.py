@@ -10,32 +10,22 @@ import numpy as np
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.chain import Array, Integers
-from ropewalk.mechanics.compiled import lean
 from ropewalk.mechanics.loading import loading_of
-from ropewalk.mechanics.moving_contact import look_up_integral
 from ropewalk.model.scenario import Scenario
-from ropewalk.networks.lengths import doubt_slack
 from ropewalk.results.frame import Frame, Layout, RunInfo
 from ropewalk.solve.following import quasistatic_motion, schedule
-from ropewalk.system.assembly import contacts_of, refuse_beyond, structure_of
-from ropewalk.system.cables import add_wind_forces
+from ropewalk.system.assembly import contacts_of, refuse_beyond
 from ropewalk.system.compliance import AT_REST
 from ropewalk.system.contacts import ON
+from ropewalk.system.doubts import doubt_slack
 from ropewalk.system.frames import FrameBuilder, SystemNote
 from ropewalk.system.hold_forces import HoldForces, on_friction
 from ropewalk.system.loaded_structure import Carried, LoadedStructure
-from ropewalk.system.rest import at_rest, least
+from ropewalk.system.rest import at_rest, settled_in_wind
 from ropewalk.system.statics import SystemPotential
-from ropewalk.system.structure import SystemState
-
-# Rounds in which lines find their rest in the wind, and the move over their size that is none any more.
-_ROUNDS, _NEAR = 100, 1e-10
-
-
-@lean
-def _add_wind_forces(structure, buffers, r, v, t):
-    """Forces of the wind on what stands still, to `room.air`."""
-    add_wind_forces(structure, buffers, r, v, t, 0.0)
+from ropewalk.system.structure import Structure, SystemState
+from ropewalk.system.structures import structure_of
+from ropewalk.system.travel import Tables
 
 
 class _RestShape(NamedTuple):
@@ -113,7 +103,8 @@ class SystemStatics:
         Raises:
             EquilibriumError: the first load has no way, or there is no rest with the loads somewhere on it.
         """
-        for at in quasistatic_motion(self._rest, self._places, *self._schedule(), positions, turn):
+        way = schedule_of(self._scenario, self._carried, self._structure)
+        for at in quasistatic_motion(self._rest, self._places, *way, positions, turn):
             yield self._frame(at.shape, at.path, at.t)
 
     def _rest(self, t: float, near: _RestShape | None) -> _RestShape:
@@ -127,7 +118,7 @@ class SystemStatics:
         potential.arrange()
 
         def settle(shape: Array) -> Array:
-            found = self._settled(shape, t)
+            found = settled_in_wind(potential, shape, t)
             potential.forces(found)  # and all that contacts note of them
             return found
 
@@ -135,49 +126,10 @@ class SystemStatics:
         shape = self._restraint.hold(contacts, s, loaded.on, settle, potential.taken())
         return _RestShape(shape, contacts.copy())
 
-    def _settled(self, shape: Array, t: float) -> Array:
-        """Rest in the wind as it blows at time t in s, next to a shape: what it pushes at depends on it.
-
-        Raises:
-            EquilibriumError: there is none.
-        """
-        potential, structure = self.potential, self._structure
-        if not structure.wind.direction.any():
-            return least(potential, shape)
-        self._loaded.set_wind(t)
-        for done in range(_ROUNDS):
-            r = potential.put(shape)[0]
-            _add_wind_forces(structure.for_kernels, potential.buffers.for_kernels(structure), r, np.zeros_like(r), t)
-            if done and np.array_equal(potential.blown, potential.buffers.air):  # as in calm air
-                return shape
-            potential.blown[:] = potential.buffers.air
-            last, shape = shape, least(potential, shape)
-            if float(np.abs(shape - last).max()) <= _NEAR * potential.size:
-                return shape
-        raise EquilibriumError("no equilibrium was found in the wind: lines flutter or lift; lower wind.speed")
-
     def _places(self, shape: _RestShape) -> Array:
         """Where contacts are, (contact, axis) m; NaN of those off their lines."""
         on = shape.contacts["state"] == ON
         return np.where(on[:, None], shape.contacts["place"][:, : self._loaded.rest.shape[0]], np.nan)
-
-    def _schedule(self) -> tuple[Array, Array]:
-        """Times and paths of the first load, until all its contacts have come to the end of their line."""
-        contacts, tables = self._loaded.contacts, self._carried.tables
-        if not contacts.size:
-            raise EquilibriumError("quasi-static runs need a load that travels")
-        first = contacts[0]
-        mine = contacts["begin"][contacts["load"] == first["load"]]
-        end = float(self._structure.lines.length[first["line"]])
-
-        def place(times: Array) -> Array:
-            entries = int(first["speed_first"]), int(first["speed_count"])
-            path = tables.speed_time, tables.speed_value, tables.speed_path
-            return np.array([first["begin"] + look_up_integral(*path, *entries, t) for t in times])
-
-        behind = first["begin"] - mine
-        name = list(self._scenario.loads)[int(first["load"])]
-        return schedule(name, place, end, last=float(behind.max()), first=float(behind.min()))
 
     def _frame(self, shape: _RestShape, path: float, t: float) -> Frame:
         loaded, potential = self._loaded, self.potential
@@ -201,3 +153,36 @@ class SystemStatics:
             if found and k not in self._remarked:
                 self._remarked.add(k)
                 self._run_info.warnings.append(f"from load path {frame.path:.4g} m on, {found}")
+
+
+def schedule_of(scenario: Scenario, carried: Carried, structure: Structure) -> tuple[Array, Array]:
+    """Times and paths of the first load, until all its contacts have come to the end of their line.
+
+    Raises:
+        EquilibriumError: there is no load, or it has no way.
+    """
+    contacts, tables = carried.contacts, carried.tables
+    if not contacts.size:
+        raise EquilibriumError("quasi-static runs need a load that travels")
+    first = contacts[0]
+    mine = contacts["begin"][contacts["load"] == first["load"]]
+
+    def place(times: Array) -> Array:
+        return np.asarray(first["begin"] + travelled(tables, first, times))
+
+    behind, name = first["begin"] - mine, list(scenario.loads)[int(first["load"])]
+    end = float(structure.lines.length[first["line"]])
+    return schedule(name, place, end, last=float(behind.max()), first=float(behind.min()))
+
+
+def travelled(tables: Tables, contact: Any, t: Array) -> Array:
+    """How far a contact has come at times in s, m."""
+    own = slice(int(contact["speed_first"]), int(contact["speed_first"] + contact["speed_count"]))
+    time, speed, path = tables.speed_time[own], tables.speed_value[own], tables.speed_path[own]
+    if time.size == 1:
+        return np.asarray(path[0] + speed[0] * (t - time[0]))
+    i = np.maximum(np.searchsorted(time, t, side="right") - 1, 0)
+    ahead = np.minimum(i + 1, time.size - 1)
+    part = np.clip((t - time[i]) / np.where(ahead > i, time[ahead] - time[i], 1.0), 0.0, 1.0)
+    now = np.where(ahead > i, speed[i] + part * (speed[ahead] - speed[i]), speed[i])
+    return np.asarray(path[i] + 0.5 * (t - time[i]) * (speed[i] + now))

@@ -19,8 +19,6 @@ from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.loading import loading_of
 from ropewalk.model.run import Linear
 from ropewalk.model.scenario import Scenario
-from ropewalk.networks.lengths import doubt_slack
-from ropewalk.networks.membrane_elements import tensions_of
 from ropewalk.results.frame import ENERGY_FORMS, Frame, Layout, RunInfo
 from ropewalk.solve.crossings import CLOSE, LOOKS, crossings
 from ropewalk.solve.modal import ModalBasis
@@ -34,13 +32,16 @@ from ropewalk.solve.superposition import (
     restrained_by_pulling,
 )
 from ropewalk.system.assembled import Assembled
-from ropewalk.system.assembly import contacts_of, refuse_beyond, structure_of
+from ropewalk.system.assembly import contacts_of, refuse_beyond
+from ropewalk.system.doubts import doubt_slack
 from ropewalk.system.frames import FrameBuilder, SystemNote
 from ropewalk.system.loaded_structure import Carried, LoadedStructure, load_springs, measure_from_ends
+from ropewalk.system.membrane_elements import tensions_of
 from ropewalk.system.passing import Passing
 from ropewalk.system.rest import about_rest, at_rest
 from ropewalk.system.statics import SystemPotential
 from ropewalk.system.structure import WORKS, Structure, SystemState
+from ropewalk.system.structures import structure_of
 
 _STORED = ("kinetic", "elastic", "gravitational", "load_kinetic", "load_potential")
 _KNOWN = [ENERGY_FORMS.index(form) for form in _STORED]

@@ -12,9 +12,9 @@ from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.model.net import CableEdge
 from ropewalk.model.scenario import Scenario
-from ropewalk.networks.assembly import Laid
-from ropewalk.networks.membranes import MembraneMesh, restrained_at_edge
-from ropewalk.networks.surface import Surface, locate
+from ropewalk.system.laid import Laid
+from ropewalk.system.membranes import MembraneMesh, restrained_at_edge
+from ropewalk.system.surface import Surface, locate
 from ropewalk.system.surfaces import Surfaces
 
 # A place is at the rim if it is closer to that than this part of a cell.
@@ -83,7 +83,7 @@ class Nets:
 
     def surfaces(self, first: Mapping[int, int]) -> Surfaces:
         """All cells, and the nodes of ways; `first` node of each of these by its number."""
-        cells, places = self._laid.network.cells, {sheet.name: i for i, sheet in enumerate(self.membranes)}
+        cells, places = self._laid.cells, {sheet.name: i for i, sheet in enumerate(self.membranes)}
         node = np.array([self._column[int(n)] for n in cells.node.ravel()], dtype=np.int64).reshape(-1, 3)
         laid = []
         for w, way in enumerate(self.ways):

@@ -1,6 +1,6 @@
 """Nets and membranes, and the ways of loads on them.
 
-Cells pull at the nodes of the structure (`networks/membrane_elements.py`). A way is a run without mass and
+Cells pull at the nodes of the structure (`membrane_elements.py`). A way is a run without mass and
 stiffness whose nodes are laid on the cells,
 
     r(way) = A r,   f = A^T f(way),
@@ -19,8 +19,8 @@ import scipy.sparse as sparse
 
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import lean, lean_inner
-from ropewalk.networks.membrane_elements import add_membrane_forces, cell_stiffness, damp_cells, stored
-from ropewalk.networks.network import Cells
+from ropewalk.system.cells import Cells
+from ropewalk.system.membrane_elements import add_membrane_forces, cell_stiffness, damp_cells, stored
 
 
 class Surfaces(NamedTuple):

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ropewalk.errors import RopewalkError
+from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.model.line import spatial
 from ropewalk.model.net import AnyNet, CableEdge, ClampedEdge, Net, SoftEdge
-from ropewalk.networks.network import SHEET, THREADS, Array, Integers
-from ropewalk.networks.surface import Surface, locate, polygon, rectangle
+from ropewalk.system.cells import SHEET, THREADS
+from ropewalk.system.surface import Surface, locate, polygon, rectangle
 
 COARSE = 20  # cells on the shorter side where no number is given
 _SPARE = 1e-4  # what is laid out without tension begins as if it were longer by this share, as nothing holds it flat

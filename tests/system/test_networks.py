@@ -16,9 +16,12 @@ from motion_cases import long_string, order, taut_string
 from ropewalk.errors import EquilibriumError
 from ropewalk.model import Dynamic, Line, MovingMass, Scenario, Travel
 from ropewalk.model.wind import Wind
-from ropewalk.networks.lengths import laid_at_rest
-from ropewalk.networks.rest import leave, settle
 from ropewalk.simulate import simulate
+from ropewalk.solve import minimum
+from ropewalk.system.loaded_structure import LoadedStructure
+from ropewalk.system.rest import at_rest
+from ropewalk.system.statics import SystemPotential
+from ropewalk.system.structures import structure_of
 from ropewalk.theory import selfsimilar, string
 from web_cases import frequencies
 
@@ -411,11 +414,11 @@ def test_band_and_sparse_find_the_same_rest() -> None:
     scenario = Scenario.model_validate(
         {"lines": lines, "joints": {"knot": {"mass": 2.0}}, "run": {"kind": "equilibrium"}}
     )
-    laid, start = laid_at_rest(scenario, 0.0)
-    leave(laid.network)
-    moved = start + 0.01 * np.sin(np.arange(start.size)).reshape(start.shape)
-    moved[laid.network.restrained.fixed] = start[laid.network.restrained.fixed]
-    one, two = (settle(laid.network, moved, way=way) for way in ("band", "sparse"))
+    found = structure_of(scenario, 0.0)
+    structure, r = at_rest(found.structure, np.array([0.0, 0.0, -9.81]), found.near)
+    start, potential = r.ravel(), SystemPotential(structure, LoadedStructure(structure, r), 10.0)
+    moved = start + potential.free @ (0.01 * np.sin(np.arange(potential.free.shape[1])))
+    one, two = (minimum.settle(potential, moved, way) for way in ("band", "sparse"))
     assert one == pytest.approx(two, abs=1e-11)
     assert one == pytest.approx(start, abs=1e-9)
 

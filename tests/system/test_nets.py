@@ -224,9 +224,9 @@ def test_a_soft_edge_carries_the_weight() -> None:
     found = rested(net([12, 9], edge={"kind": "soft", "stiffness": k}), gravity=9.81)
     laid, _ = standing(net([12, 9], edge={"kind": "soft", "stiffness": k}))
     weight = 9.81 * laid.membranes[0].weight.sum()
-    restrained = laid.network.restrained
+    restrained = laid.structure.restraints
     assert restrained.stiffness[:, 2, 2].sum() == pytest.approx(14.0 * k)
-    lowered = -(restrained.stiffness[:, 2, 2] * found.position.values[0, restrained.spring, 2]).sum()
+    lowered = -(restrained.stiffness[:, 2, 2] * found.position.values[0, restrained.node, 2]).sum()
     assert lowered == pytest.approx(weight, rel=1e-9)
     assert found.reaction.values[0, 0, 2] == pytest.approx(weight, rel=1e-9)
 

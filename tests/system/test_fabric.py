@@ -9,10 +9,13 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from net_cases import membrane, net, scenario
-from ropewalk.networks.assembly import lay
-from ropewalk.networks.membrane_elements import tensions_of
-from ropewalk.networks.network import SHEET, Array, Network
-from ropewalk.networks.potential import NetworkPotential
+from ropewalk.mechanics.chain import Array
+from ropewalk.system.cells import SHEET, Cells
+from ropewalk.system.loaded_structure import LoadedStructure
+from ropewalk.system.membrane_elements import tensions_of
+from ropewalk.system.statics import SystemPotential
+from ropewalk.system.structure import Structure
+from ropewalk.system.structures import structure_of
 
 NU, ET, EA = 0.3, 1e5, 1e4
 SIZE = 0.75  # m, of the cells
@@ -23,18 +26,41 @@ STATES = {  # principal stretches in the plan
 }
 
 
-def loose(kind: str) -> Network:
+class Loose:
+    """A fabric that nothing holds; places and forces are (node, 3)."""
+
+    def __init__(self, structure: Structure) -> None:
+        restrained = structure.restraints
+        free = np.tile(np.eye(3), (restrained.mass.size, 1, 1))
+        structure = structure._replace(restraints=restrained._replace(free=free, stiffness=0.0 * free))
+        assert structure.surfaces is not None
+        self.cells: Cells = structure.surfaces.cells
+        self.nodes = structure.nodes.mass.size
+        self._potential = SystemPotential(structure, LoadedStructure(structure, np.zeros((3, self.nodes))), 1.0)
+
+    def stored(self, r: Array) -> float:
+        return self._potential.stored(r.T.ravel())
+
+    def pull(self, r: Array) -> Array:
+        return np.asarray(self._potential.forces(r.T.ravel())).reshape(3, -1).T
+
+    def stiffness(self, r: Array) -> Array:
+        """(place, place), axis by axis."""
+        free = self._potential.free
+        return np.asarray((free @ self._potential.stiffness(r.T.ravel()) @ free.T).todense())
+
+
+def loose(kind: str) -> Loose:
     """Four cells of a fabric that nothing holds, without tension as laid out."""
     if kind == "sheet":
         sides = [[2.0 * SIZE, 0.0, 0.0], [0.3, SIZE, 0.0]]
         sheet = membrane([2, 1], sides=sides, tension=None, poisson=NU, stiffness=ET)
     else:
         sheet = net([2, 1], sides=[[2.0 * SIZE, 0.0, 0.0], [0.0, SIZE, 0.0]], tension=None, axial_stiffness=EA)
-    network = lay(scenario(sheet), {}, 0.0).network
-    return network._replace(restrained=network.restrained._replace(fixed=np.zeros(0, dtype=np.int64)))
+    return Loose(structure_of(scenario(sheet), 0.0).structure)
 
 
-def plan_of(network: Network) -> Array:
+def plan_of(network: Loose) -> Array:
     """Places of all nodes as laid out, (node, 2) m: three along x, twice."""
     skew = 0.3 if network.cells.fabrics[0, 0] == SHEET else 0.0
     i, j = np.tile(np.arange(3), 2), np.repeat(np.arange(2), 3)
@@ -42,7 +68,7 @@ def plan_of(network: Network) -> Array:
 
 
 def places(
-    network: Network, stretches: tuple[float, float], angle: float, turn: Array, disturbed: Array | float = 0.0
+    network: Loose, stretches: tuple[float, float], angle: float, turn: Array, disturbed: Array | float = 0.0
 ) -> Array:
     """All nodes after a stretch along two axes at an angle, a turn in space, and small changes of each."""
     c, s = np.cos(angle), np.sin(angle)
@@ -63,7 +89,7 @@ def states():
     return st.one_of(membranes, st.tuples(st.just("threads"), st.sampled_from(list(STATES.values())), st.just(0.0)))
 
 
-def noise(network: Network, seed: int, size: float) -> Array:
+def noise(network: Loose, seed: int, size: float) -> Array:
     return size * np.random.default_rng(seed).standard_normal((network.nodes, 3))
 
 
@@ -73,15 +99,15 @@ def test_forces_are_the_slope_of_the_energy_and_the_stiffness_is_theirs(state, t
     kind, stretches, angle = state
     network = loose(kind)
     r = places(network, stretches, angle, turn, noise(network, seed, 5e-4 * SIZE))
-    potential, way = NetworkPotential(network), noise(network, seed + 1, 1.0)
+    potential, way = network, noise(network, seed + 1, 1.0)
     h = 1e-6
-    rise = (potential.energy(r + h * way) - potential.energy(r - h * way)) / (2.0 * h)
+    rise = (potential.stored(r + h * way) - potential.stored(r - h * way)) / (2.0 * h)
     # Forces are up to 3e3 N; the energies of 1e2 J leave 1e-14/1e-6 of themselves in the difference.
     assert rise == pytest.approx(-(potential.pull(r) * way).sum(), abs=1e-4)
-    change = -(potential.pull(r + h * way) - potential.pull(r - h * way)).ravel() / (2.0 * h)
+    change = -(potential.pull(r + h * way) - potential.pull(r - h * way)).T.ravel() / (2.0 * h)
     K = potential.stiffness(r)
     # Curvature: stresses of 3e3 N/m leave third derivatives of some 1e6/h^2 times the square of the difference.
-    assert change == pytest.approx(K @ way.ravel(), abs=3e-3)
+    assert change == pytest.approx(K @ way.T.ravel(), abs=3e-3)
     assert abs(K - K.T).max() <= 1e-9 * ET  # roundings of sums of a dozen terms
 
 
@@ -90,7 +116,7 @@ def test_forces_are_the_slope_of_the_energy_and_the_stiffness_is_theirs(state, t
 def test_what_turns_as_a_whole_stores_the_same_and_pulls_along(state, turn, seed) -> None:
     kind, stretches, angle = state
     network = loose(kind)
-    potential, disturbed = NetworkPotential(network), noise(network, seed, 2e-3 * SIZE)
+    potential, disturbed = network, noise(network, seed, 2e-3 * SIZE)
     r = places(network, stretches, angle, np.zeros(3), disturbed)
     turned = places(network, stretches, angle, turn, disturbed)
     assert potential.stored(turned) == pytest.approx(potential.stored(r), rel=1e-9, abs=1e-12)
@@ -102,8 +128,8 @@ def test_a_slack_fabric_pulls_nowhere() -> None:
     for kind in ("sheet", "threads"):
         network = loose(kind)
         r = places(network, STATES["slack"], 0.0, np.zeros(3))
-        assert NetworkPotential(network).stored(r) == 0.0
-        assert not NetworkPotential(network).pull(r).any()
+        assert network.stored(r) == 0.0
+        assert not network.pull(r).any()
 
 
 def sheet_tensions(F: Array) -> Array:

@@ -7,8 +7,8 @@ import pytest
 
 from net_cases import load, membrane, moved, net, order, rested, scenario, standing
 from ropewalk.mechanics.chain import Array
-from ropewalk.networks.membrane_elements import tensions_of
-from ropewalk.networks.rest import settle
+from ropewalk.solve import minimum
+from ropewalk.system.membrane_elements import tensions_of
 from ropewalk.theory import membrane as theory
 from web_cases import frequencies
 
@@ -117,10 +117,12 @@ def sheared(gamma: float) -> tuple[Array, Array, Array]:
     affine = r.copy()
     affine[:, 0] += gamma * r[:, 1]
     begin = affine.copy()
-    inner = np.setdiff1d(np.arange(laid.network.nodes), laid.network.restrained.fixed)
+    inner = np.setdiff1d(np.arange(len(r)), laid.structure.restraints.node)
     begin[inner] += 1e-3 * np.random.default_rng(1).standard_normal((inner.size, 3))
-    found = settle(laid.network, begin)
-    return found, affine, tensions_of(laid.network.cells, laid.network.cells.area.size, found)
+    found = minimum.settle(laid.potential(begin), begin.T.ravel()).reshape(3, -1).T.copy()
+    assert laid.structure.surfaces is not None
+    cells = laid.structure.surfaces.cells
+    return found, affine, tensions_of(cells, cells.area.size, found)
 
 
 def test_a_sheared_membrane_stays_flat_and_wrinkles_when_its_tension_is_used_up() -> None:

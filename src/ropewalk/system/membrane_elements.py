@@ -17,8 +17,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
-from ropewalk.networks.network import THREADS, Array, Cells
+from ropewalk.system.cells import THREADS, Cells
 
 
 @inlined

@@ -1,1 +1,0 @@
-"""Networks of lines, nets and membranes in space."""

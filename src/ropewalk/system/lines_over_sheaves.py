@@ -1,0 +1,61 @@
+"""What of lines over sheaves, and of loads on them, is not supported."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ropewalk.model._base import Finding
+from ropewalk.model.axles import Axles
+from ropewalk.model.joint import Joined
+from ropewalk.model.line import Line
+from ropewalk.model.load import MovingForce
+from ropewalk.model.mass import MovingMass
+from ropewalk.model.missing import missing
+from ropewalk.model.parts import Parts
+from ropewalk.model.run import Dynamic, Linear
+
+
+def over_sheaves(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
+    """Lines bend sharply at sheaves, which have no size; results do not hold how far they have run over these."""
+    what, run = "lines over sheaves", parts.run
+    for key in ("bending_stiffness", "foundation"):
+        if getattr(line, key):
+            yield missing(("lines", name, key), what, str(getattr(line, key)), f"leave {key} out")
+    for sheave, wheel in line.sheaves.items():
+        if wheel.to is not None and wheel.to in parts.joints and not _has_mass(wheel.to, parts):
+            remedy = f"give joints.{wheel.to} a mass"
+            feature = "a joint without mass that hangs on sheaves alone"
+            yield missing(("lines", name, "sheaves", sheave, "to"), what, wheel.to, remedy, feature=feature)
+    if isinstance(run, Dynamic) and run.geometry == "linearised":
+        yield missing(("run", "geometry"), what, "linearised", "write geometry: nonlinear")
+    if isinstance(run, Dynamic) and run.axial_inertia != 1.0:
+        yield missing(("run", "axial_inertia"), what, f"{run.axial_inertia:g}", "leave axial_inertia out")
+    if isinstance(run, Dynamic) and run.start.kind == "result":
+        yield missing(("run", "start", "kind"), what, "result", "start at rest, or from a mode")
+
+
+def beside_sheaves(parts: Parts) -> Iterator[Finding]:
+    """At rest lines are divided at their sheaves, where loads can be no more than forces at places of lines."""
+    what = "lines over sheaves at rest"
+    if isinstance(parts.run, Dynamic | Linear) or not parts.runs_over_sheaves:
+        return
+    for name, load in parts.loads.items():
+        if load is None:
+            continue
+        line = parts.lines.get(load.on)
+        if load.on in parts.nets or (line is not None and line.has_bending_stiffness):
+            feature, remedy = "a load on a net or a line with bending stiffness", "let it travel on a rope"
+            yield missing(("loads", name, "on"), what, load.on, remedy, feature=feature)
+        if not isinstance(load, Axles | MovingForce | MovingMass):
+            remedy = "ask for kind: dynamic, or write kind: force with its weight as force"
+            yield missing(("loads", name, "kind"), what, load.kind, remedy)
+        for key, least in (("contact", "clamped"), ("friction", None), ("lift_off", False), ("air_drag", 0.0)):
+            if (given := getattr(load, key, least)) != least:
+                yield missing(("loads", name, key), what, str(given), f"leave {key} out")
+
+
+def _has_mass(joint: str, parts: Parts) -> bool:
+    """Whether a joint has a mass, or an end of a line."""
+    ends = (support for line in parts.lines.values() if line is not None for _, support in line.ends())
+    tied = any(isinstance(support, Joined) and support.to == joint for support in ends)
+    return tied or bool(getattr(parts.joints[joint], "mass", 1.0))
