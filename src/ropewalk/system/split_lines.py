@@ -264,8 +264,8 @@ class SplitLines:
             return
         if near.before is not None and near.before[1].size == near.shape.size and near.t != near.before[0]:
             part = float(np.clip((t - near.t) / (near.t - near.before[0]), -_ON, _ON))
-            yield self._held(here._replace(shape=near.shape + part * (near.shape - near.before[1])))
-        yield self._held(here)
+            yield self._restrained(here._replace(shape=near.shape + part * (near.shape - near.before[1])))
+        yield self._restrained(here)
 
     def _is_even(self, rest: SplitRest) -> bool:
         """Whether links beside marks are about as long as others, or single ones that are shorter."""
@@ -280,7 +280,7 @@ class SplitLines:
         return rest.assembled.line[int(rest.run[mark])]
 
     @staticmethod
-    def _held(rest: SplitRest) -> SplitRest:
+    def _restrained(rest: SplitRest) -> SplitRest:
         """The same with what moves as prescribed where it is."""
         r = rest.structure.restraints.put(rest.r, rest.t)
         return rest._replace(shape=np.concatenate([r.ravel(), rest.shape[r.size :]]))
