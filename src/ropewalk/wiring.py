@@ -36,7 +36,7 @@ from ropewalk.overhead.pantograph_loads import (
     row_of,
     start_of,
 )
-from ropewalk.overhead.section import CONTACT, Section, in_space, joined, section_of
+from ropewalk.overhead.section import CONTACT, Section, at_full_stiffness, in_space, joined, section_of
 from ropewalk.results.stored import stored_instant
 from ropewalk.solve.load_schedule import horizon
 from ropewalk.wires.beginning import in_mode
@@ -67,7 +67,11 @@ def task_of(scenario: Scenario) -> WireTask:
     nonlinear = isinstance(run, Dynamic) and run.geometry == "nonlinear"
     space = nonlinear and not scenario.lines and any(section.stagger.any() for section in sections.values())
     near = tuple(section.near for section in sections.values()) if space else ()
-    laid = [in_space(s, scenario.overhead_lines[name]) if space else s for name, s in sections.items()]
+    laid = list(sections.values())
+    if nonlinear or slow:
+        laid = [at_full_stiffness(s, scenario.overhead_lines[s.name]) for s in laid]
+    if space:
+        laid = [in_space(s, scenario.overhead_lines[s.name]) for s in laid]
     plan, offsets = joined(laid) if sections else (WirePlan((), gravity=scenario.gravity), [])
     elements = [links_of(wire, section.element) for section in sections.values() for wire in section.plan.wires]
     first = len(plan.wires)

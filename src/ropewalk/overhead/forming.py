@@ -3,6 +3,8 @@
 The wires have constant tension, so that their heights are linear in the forces on them. The contact wire is led
 through the wanted heights at droppers and supports; the forces that this takes are the pulls of the droppers, and
 together with the droppers' weights they load the messenger and the stitch wires, which hang from their supports.
+
+Along the line a stitch wire pulls at the messenger with its tension: between its clamps the messenger has so much less.
 """
 
 from __future__ import annotations
@@ -196,14 +198,17 @@ def _links(task: FormFindingTask, mesh: Mesh, z: Array) -> tuple[WireTie, ...]:
     if not task.links:
         return ()
     A, _ = _geometric(mesh, task.links)
-    ends = [clamped_at(mesh.strands, spots).local for spots in _ends(task.links)]
     found = []
-    for link, rise, local in zip(task.links, A @ z, ends[0] + ends[1], strict=True):
+    for link, rise in zip(task.links, A @ z, strict=True):
         reach = float(np.hypot(link.along, rise))
         pull = link.tension * reach / abs(link.along)
-        length = reach - pull * (1.0 / link.stiffness + local)
-        found.append(WireTie(link.name, link.low, link.high, link.stiffness, length, link.stiffness))
+        found.append(pulling(link.name, link.low, link.high, link.stiffness, reach, pull))
     return tuple(found)
+
+
+def pulling(name: str, low: Spot, high: Spot, stiffness: float, reach: float, pull: float) -> WireTie:
+    """A link of a stitch wire of a stiffness in N/m that is `reach` in m long where it pulls with a force in N."""
+    return WireTie(name, low, high, stiffness, reach - pull / stiffness, stiffness, lengthwise=True)
 
 
 def _ends(things: tuple[Hanger, ...] | tuple[StitchEnd, ...]) -> tuple[list[Spot], list[Spot]]:

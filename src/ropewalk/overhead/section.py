@@ -27,17 +27,18 @@ from ropewalk.overhead.forming import (
     StitchEnd,
     form_by_heights,
     form_by_lengths,
+    pulling,
     soft_holds,
 )
 from ropewalk.overhead.lateral import radial_forces
 from ropewalk.wires.mesh import Mesh, clamped_at, mesh_of
-from ropewalk.wires.plan import Array, EndKind, Hold, PointMass, Spot, Wire, WirePlan, WireTie
+from ropewalk.wires.plan import Array, EndKind, Hold, PointMass, Relief, Spot, Wire, WirePlan, WireTie
 from ropewalk.wires.rest import WiresAtRest, rest_of, rows
 
 _Pair = tuple[float, float]
 
 CONTACT, MESSENGER = 0, 1
-_SOFT_LINK = 200e3  # N/m, at most, of the last piece of a stitch wire: so its tension hardly changes as it turns
+_SOFT_LINK = 200e3  # N/m, at most, of the last piece of a stitch wire in small motion: turning hardly changes its pull
 _NO_KINK = 1e-9
 _STEEPEST = 1.0  # of a steady arm, rise over run: one that is steeper holds the wire up rather than aside
 
@@ -99,8 +100,21 @@ class Section:
             position[1, part] = self.aside(position[0, part] - position[0, part][0], i)
         return position
 
+    def clamps(self, wire: int) -> tuple[float, float]:
+        """Where a stitch wire is clamped to the messenger, stations in m."""
+        one, other = sorted(
+            tie.other.station
+            for tie in self.plan.ties
+            if tie.lengthwise and tie.spot.wire == wire and isinstance(tie.other, Spot)
+        )
+        return one, other
+
     def aside(self, station: Array, wire: int = CONTACT) -> Array:
-        """Where a wire runs in plan view, y in m at stations in m."""
+        """Where a wire runs in plan view, y in m at stations of it in m; stitch wires straight between their clamps."""
+        if wire > MESSENGER:
+            clamps = self.clamps(wire)
+            spare = 0.5 * (clamps[1] - clamps[0] - self.plan.wires[wire].length)
+            return np.interp(clamps[0] + spare + station, clamps, self.aside(np.array(clamps), MESSENGER))
         if wire != CONTACT and self.straight_messenger:
             return np.full_like(station, self.side)
         return self.side + np.interp(station, self.supports, self.stagger)
@@ -127,6 +141,22 @@ def section_of(name: str, line: OverheadLine, gravity: float = 9.81) -> Section:
     return fitted if line.condition is None else _changed(name, line, fitted)
 
 
+def at_full_stiffness(section: Section, line: OverheadLine) -> Section:
+    """The same line with stitch wires whose last pieces are as stiff as the rest of them, for motion along it, too.
+
+    Vertical motion alone would find them too stiff where they are inclined.
+    """
+    if line.stitch_wire is None:
+        return section
+    stiffness, rest, ties = line.stitch_wire.axial_stiffness / line.element, section.rest, list(section.plan.ties)
+    for i, tie in enumerate(ties):
+        if tie.lengthwise:
+            assert isinstance(tie.other, Spot)
+            reach, pull = float(rest.tie_distance[i]), float(rest.tie_force[i])
+            ties[i] = pulling(tie.name, tie.spot, tie.other, stiffness, reach, pull)
+    return replace(section, plan=replace(section.plan, ties=tuple(ties)))
+
+
 def in_space(section: Section, line: OverheadLine) -> Section:
     """The same line where its wires run in plan view, for motion that goes sideways, too.
 
@@ -136,7 +166,7 @@ def in_space(section: Section, line: OverheadLine) -> Section:
     give = arms.length / arms.axial_stiffness
 
     def y(spot: Spot) -> float:
-        return float(section.aside(np.array([spot.station]), min(spot.wire, MESSENGER))[0])
+        return float(section.aside(np.array([spot.station]), spot.wire)[0])
 
     ties = list(plan.ties)
     for number, length in zip(section.droppers.values(), section.lengths, strict=True):
@@ -162,7 +192,7 @@ def in_space(section: Section, line: OverheadLine) -> Section:
 def joined(sections: Sequence[Section]) -> tuple[WirePlan, list[int]]:
     """Put sections into one plan; list the number of the first wire of each, which its own wires are counted from."""
     wires: tuple[Wire, ...] = ()
-    plan, offsets = replace(sections[0].plan, wires=(), ties=(), holds=(), masses=(), watched={}), []
+    plan, offsets = replace(sections[0].plan, wires=(), ties=(), holds=(), masses=(), reliefs=(), watched={}), []
     for section in sections:
         n, part = len(wires), section.plan
 
@@ -178,6 +208,7 @@ def joined(sections: Sequence[Section]) -> tuple[WirePlan, list[int]]:
             ties=(*plan.ties, *ties),
             holds=(*plan.holds, *(replace(hold, spot=moved(hold.spot)) for hold in part.holds)),
             masses=(*plan.masses, *(replace(lump, spot=moved(lump.spot)) for lump in part.masses)),
+            reliefs=(*plan.reliefs, *(replace(r, start=moved(r.start), end=moved(r.end)) for r in part.reliefs)),
             watched=plan.watched | {key: moved(spot) for key, spot in part.watched.items()},
         )
         offsets.append(n)
@@ -236,6 +267,7 @@ def _task(name: str, line: OverheadLine, gravity: float, supports: Array, stagge
     ]
     weighted = [hold for i, wire in enumerate(wires) if kind == "free" for hold in _tensioned(i, wire)]
     inner, links, masses = [float(s) for s in supports[1:-1]], [], []
+    reliefs: list[Relief] = []
     stitch, reach = line.stitch_wire, 0.0
     if stitch is not None:
         reach = 0.5 * stitch.length - line.element
@@ -248,6 +280,7 @@ def _task(name: str, line: OverheadLine, gravity: float, supports: Array, stagge
                 low = Spot(len(wires) - 1, station)
                 links.append(StitchEnd(f"{own}.{side}", low, clamp, stitch.tension, along, stiffness))
                 masses.append(PointMass(clamp, stitch.clamp))
+            reliefs.append(Relief(links[-2].high, links[-1].high, stitch.tension))
     hangers, cut = [], line.droppers.cut
     for span, (places, sags) in enumerate(zip(line.dropper_places, line.sags, strict=True)):
         for i, (place, sag) in enumerate(zip(places, sags, strict=True), start=1):
@@ -278,7 +311,9 @@ def _task(name: str, line: OverheadLine, gravity: float, supports: Array, stagge
     more = gravity * (arms.hanging_mass - arms.moving_mass)
     weights = [Hold(f"{name}.arm.{i}.weight", Spot(CONTACT, s), (0.0, 0.0, 0.0), force=(0.0, 0.0, -more))
                for i, s in enumerate(inner, start=1) if more]  # fmt: skip
-    plan = WirePlan(tuple(wires), holds=(*weighted, *weights), masses=tuple(masses), gravity=gravity)
+    plan = WirePlan(
+        tuple(wires), holds=(*weighted, *weights), masses=tuple(masses), reliefs=tuple(reliefs), gravity=gravity
+    )
     return FormFindingTask(plan, line.element, tuple(hangers), dropper, tuple(links), tuple(levels), hints)
 
 

@@ -81,7 +81,7 @@ class Pictures:
             self._end_stiffness = vertical_stiffness(mesh)[ends]
             self._risen = (beds(mesh) * mesh.straight()[2])[ends]
             self._end_weight = task.plan.gravity * mesh.mass[ends]
-            self._strained = np.repeat([wire.tension / wire.axial_stiffness for wire in task.plan.wires], links)
+            self._strained = mesh.tension[self._links] / self._stiffness
 
     def get_state(self) -> Tree:
         """The origin of the audit, and how long contacts have been in the air."""
