@@ -30,7 +30,7 @@ from ropewalk.overhead.forming import (
     pulling,
     soft_holds,
 )
-from ropewalk.overhead.lateral import radial_forces
+from ropewalk.overhead.lateral import messenger_aside, radial_forces
 from ropewalk.wires.mesh import Mesh, clamped_at, mesh_of
 from ropewalk.wires.plan import Array, EndKind, Hold, PointMass, Relief, Spot, Wire, WirePlan, WireTie
 from ropewalk.wires.rest import WiresAtRest, rest_of, rows
@@ -115,9 +115,16 @@ class Section:
             clamps = self.clamps(wire)
             spare = 0.5 * (clamps[1] - clamps[0] - self.plan.wires[wire].length)
             return np.interp(clamps[0] + spare + station, clamps, self.aside(np.array(clamps), MESSENGER))
-        if wire != CONTACT and self.straight_messenger:
-            return np.full_like(station, self.side)
-        return self.side + np.interp(station, self.supports, self.stagger)
+        if wire == CONTACT:
+            return self.side + np.interp(station, self.supports, self.stagger)
+        return self.side + np.interp(station, *self._messenger_aside)
+
+    @cached_property
+    def _messenger_aside(self) -> tuple[Array, Array]:
+        """Stations of its supports and clamps in m, and how far aside the messenger is there, m."""
+        stagger = np.zeros_like(self.stagger) if self.straight_messenger else self.stagger
+        stitches = [(one.start.station, one.end.station, one.tension) for one in self.plan.reliefs]
+        return messenger_aside(self.supports, stagger, self.plan.wires[MESSENGER].tension, stitches)
 
 
 def section_of(name: str, line: OverheadLine, gravity: float = 9.81) -> Section:
@@ -279,7 +286,7 @@ def _task(name: str, line: OverheadLine, gravity: float, supports: Array, stagge
                 clamp = Spot(MESSENGER, s - reach + station + along)
                 low = Spot(len(wires) - 1, station)
                 links.append(StitchEnd(f"{own}.{side}", low, clamp, stitch.tension, along, stiffness))
-                masses.append(PointMass(clamp, stitch.clamp))
+                masses.append(PointMass(clamp, stitch.clamp + stitch.mass * line.element))  # the last piece's, too
             reliefs.append(Relief(links[-2].high, links[-1].high, stitch.tension))
     hangers, cut = [], line.droppers.cut
     for span, (places, sags) in enumerate(zip(line.dropper_places, line.sags, strict=True)):
@@ -395,6 +402,12 @@ def _changed(name: str, line: OverheadLine, fitted: Section) -> Section:
     assert condition is not None
     try:
         plan, kept = in_condition(fitted.plan, line.element, names, condition, anchored=line.ends == "anchored")
+        messenger, stitch = plan.wires[MESSENGER].tension, max((r.tension for r in plan.reliefs), default=0.0)
+        if messenger <= stitch:
+            raise EquilibriumError(
+                f"between the clamps of stitch wires of {stitch:g} N a messenger of {messenger:.4g} N would be slack; "
+                "give a smaller change of temperature, or let weights keep the tension (ends: weights)"
+            )
         lengths = (1.0 + condition.expansion * condition.temperature_rise) * fitted.lengths[kept]
         changed = replace(
             fitted, plan=plan, droppers={names[i]: k for k, i in enumerate(kept)}, lengths=lengths,
