@@ -23,7 +23,6 @@ from ropewalk.wires.plan import Array, Hold, PointMass, Spot, WirePlan, WireTie
 from ropewalk.wires.rest import moving, rest_of, restrained_shape, rows, vertical_stiffness
 
 _MOST_ROUNDS = 50
-_SOFT = 1.0  # N/m
 _CLOSE = 1e-10  # m, of dropper lengths from round to round, where their weight follows from their length
 
 
@@ -150,7 +149,7 @@ def form_by_lengths(task: FormFindingTask, lengths: Array) -> Form:
     )
     own = slice(len(task.plan.holds), len(task.plan.holds) + len(fast))
     for _ in range(_MOST_ROUNDS):
-        holds = (*task.plan.holds, *fast, *soft_holds(task.links, turned))
+        holds = (*task.plan.holds, *fast)
         mesh = mesh_of(replace(task.plan, masses=masses, ties=(*droppers, *links), holds=holds), task.element)
         rest, before = rest_of(mesh), turned
         links = _links(task, mesh, rest.position[2])
@@ -160,14 +159,6 @@ def form_by_lengths(task: FormFindingTask, lengths: Array) -> Form:
         if np.abs(turned - before).max(initial=0.0) <= _CLOSE:
             break
     return form
-
-
-def soft_holds(links: tuple[StitchEnd, ...], heights: Array) -> tuple[Hold, ...]:
-    """Springs to the ground at the ends of stitch wires, as soft as nothing: their rest is sought from these alone."""
-    return tuple(
-        Hold(f"{link.name}.soft", link.low, (0.0, 0.0, _SOFT), place=(0.0, 0.0, float(height)))
-        for link, height in zip(links, heights, strict=True)
-    )
 
 
 def _shape(mesh: Mesh, task: FormFindingTask, places: Places, heights: Array, load: Array) -> tuple[Array, Array]:

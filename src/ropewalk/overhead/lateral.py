@@ -11,7 +11,6 @@ direction: with equal staggers T L / R, for equal spans L.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -82,36 +81,6 @@ def radial_forces(line: OverheadLine) -> Array:
     slope = np.diff(b) / lengths
     kinks = [(one - h1) - (two + h2) for (one, two), (h1, h2) in zip(pairwise(slope), pairwise(half), strict=True)]
     return line.contact_wire.tension * np.array(kinks, dtype=np.float64)
-
-
-def messenger_aside(
-    supports: Array, stagger: Array, tension: float, stitches: Sequence[tuple[float, float, float]]
-) -> tuple[Array, Array]:
-    """Where a messenger runs in plan view that stitch wires pull at: strings between supports and clamps.
-
-    Args:
-        supports: their stations, m.
-        stagger: how far aside they hold it, m.
-        tension: of the messenger, N.
-        stitches: of each stitch wire the stations of its clamps, m, and its tension, N, which it lacks there.
-
-    Returns:
-        Stations of supports and clamps, m, and how far aside it is there, m.
-    """
-    clamps = np.array([station for *ends, _ in stitches for station in ends])
-    points = np.sort(np.concatenate([supports, clamps]))
-    pieces = [(i, i + 1, tension) for i in range(points.size - 1)]
-    for begin, end, less in stitches:
-        i, j = np.searchsorted(points, [begin, end])
-        pieces += [(i, j, less), *((k, k + 1, -less) for k in range(i, j))]
-    K = np.zeros((points.size, points.size))
-    for i, j, T in pieces:
-        K[np.ix_([i, j], [i, j])] += T / (points[j] - points[i]) * np.array([[1.0, -1.0], [-1.0, 1.0]])
-    y, fixed = np.zeros(points.size), np.searchsorted(points, supports)
-    y[fixed] = stagger
-    free = np.setdiff1d(np.arange(points.size), fixed)
-    y[free] = np.linalg.solve(K[np.ix_(free, free)], -K[free] @ y)
-    return points, y
 
 
 def blown_off(line: OverheadLine, load: float) -> float:

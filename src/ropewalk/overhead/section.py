@@ -27,17 +27,15 @@ from ropewalk.overhead.forming import (
     StitchEnd,
     form_by_heights,
     form_by_lengths,
-    pulling,
-    soft_holds,
 )
-from ropewalk.overhead.lateral import messenger_aside, radial_forces
+from ropewalk.overhead.lateral import radial_forces
+from ropewalk.overhead.plan_view import CONTACT, MESSENGER, PlanView, plan_view_of
 from ropewalk.wires.mesh import Mesh, clamped_at, mesh_of
 from ropewalk.wires.plan import Array, EndKind, Hold, PointMass, Relief, Spot, Wire, WirePlan, WireTie
 from ropewalk.wires.rest import WiresAtRest, rest_of, rows
 
 _Pair = tuple[float, float]
 
-CONTACT, MESSENGER = 0, 1
 _SOFT_LINK = 200e3  # N/m, at most, of the last piece of a stitch wire in small motion: turning hardly changes its pull
 _NO_KINK = 1e-9
 _STEEPEST = 1.0  # of a steady arm, rise over run: one that is steeper holds the wire up rather than aside
@@ -52,6 +50,7 @@ class Section:
     element: float  # m
     supports: Array  # (span + 1,) m, stations of all supports with both ends
     analysed: tuple[float, float]  # m, stations between which statistics are made
+    view: PlanView
     droppers: dict[str, int] = field(default_factory=dict)  # their ties
     lengths: Array = field(default_factory=lambda: np.zeros(0))  # (dropper,) m, unstrained, in space
     stations: Array = field(default_factory=lambda: np.zeros(0))  # (dropper,) m
@@ -59,11 +58,6 @@ class Section:
     slack: tuple[str, ...] = ()  # droppers that are slack at rest
     arms: dict[str, int] = field(default_factory=dict)  # ties of steady arms with stagger
     holds: dict[str, int] = field(default_factory=dict)  # of the messenger's supports and level steady arms
-    side: float = 0.0  # m, y of the line
-    stagger: Array = field(
-        default_factory=lambda: np.zeros(0)
-    )  # (span + 1,) m, how far aside the contact wire is at supports
-    straight_messenger: bool = False  # whether the messenger does not go aside with it
     registered: Array = field(default_factory=lambda: np.zeros(0))  # (span + 1,) m over the level, at supports
 
     @property
@@ -91,40 +85,9 @@ class Section:
         """Its rest on that mesh."""
         return rest_of(self.mesh())
 
-    @property
-    def near(self) -> Array:
-        """About where its wires rest in space, (3, node) m: its rest without going aside, put aside."""
-        mesh, position = self.mesh(), self.rest.position.copy()
-        for i in range(len(self.plan.wires)):
-            part = mesh.of(i)
-            position[1, part] = self.aside(position[0, part] - position[0, part][0], i)
-        return position
-
-    def clamps(self, wire: int) -> tuple[float, float]:
-        """Where a stitch wire is clamped to the messenger, stations in m."""
-        one, other = sorted(
-            tie.other.station
-            for tie in self.plan.ties
-            if tie.lengthwise and tie.spot.wire == wire and isinstance(tie.other, Spot)
-        )
-        return one, other
-
     def aside(self, station: Array, wire: int = CONTACT) -> Array:
-        """Where a wire runs in plan view, y in m at stations of it in m; stitch wires straight between their clamps."""
-        if wire > MESSENGER:
-            clamps = self.clamps(wire)
-            spare = 0.5 * (clamps[1] - clamps[0] - self.plan.wires[wire].length)
-            return np.interp(clamps[0] + spare + station, clamps, self.aside(np.array(clamps), MESSENGER))
-        if wire == CONTACT:
-            return self.side + np.interp(station, self.supports, self.stagger)
-        return self.side + np.interp(station, *self._messenger_aside)
-
-    @cached_property
-    def _messenger_aside(self) -> tuple[Array, Array]:
-        """Stations of its supports and clamps in m, and how far aside the messenger is there, m."""
-        stagger = np.zeros_like(self.stagger) if self.straight_messenger else self.stagger
-        stitches = [(one.start.station, one.end.station, one.tension) for one in self.plan.reliefs]
-        return messenger_aside(self.supports, stagger, self.plan.wires[MESSENGER].tension, stitches)
+        """Where a wire runs in plan view, y in m at stations of it in m."""
+        return self.view.aside(wire, self.view.station(wire, station))
 
 
 def section_of(name: str, line: OverheadLine, gravity: float = 9.81) -> Section:
@@ -133,9 +96,8 @@ def section_of(name: str, line: OverheadLine, gravity: float = 9.81) -> Section:
     Raises:
         EquilibriumError: it cannot rest as wanted, or not with the given lengths.
     """
-    supports = np.array(stations_of(line))
-    stagger = np.zeros(supports.size) if line.staggers is None else np.array(line.staggers)
-    task = _task(name, line, gravity, supports, stagger)
+    supports, view = np.array(stations_of(line)), plan_view_of(line)
+    task = _task(name, line, gravity, supports, view)
     given = line.dropper_lengths
     try:
         if given is None:
@@ -144,56 +106,8 @@ def section_of(name: str, line: OverheadLine, gravity: float = 9.81) -> Section:
             form = form_by_lengths(task, np.array([length for row in given for length in row]))
     except EquilibriumError as error:
         raise EquilibriumError(f"overhead line {name}: {error}") from None
-    fitted = _finished(name, line, task, form, supports, stagger)
+    fitted = _finished(name, line, task, form, supports, view)
     return fitted if line.condition is None else _changed(name, line, fitted)
-
-
-def at_full_stiffness(section: Section, line: OverheadLine) -> Section:
-    """The same line with stitch wires whose last pieces are as stiff as the rest of them, for motion along it, too.
-
-    Vertical motion alone would find them too stiff where they are inclined.
-    """
-    if line.stitch_wire is None:
-        return section
-    stiffness, rest, ties = line.stitch_wire.axial_stiffness / line.element, section.rest, list(section.plan.ties)
-    for i, tie in enumerate(ties):
-        if tie.lengthwise:
-            assert isinstance(tie.other, Spot)
-            reach, pull = float(rest.tie_distance[i]), float(rest.tie_force[i])
-            ties[i] = pulling(tie.name, tie.spot, tie.other, stiffness, reach, pull)
-    return replace(section, plan=replace(section.plan, ties=tuple(ties)))
-
-
-def in_space(section: Section, line: OverheadLine) -> Section:
-    """The same line where its wires run in plan view, for motion that goes sideways, too.
-
-    Steady arms have their own stiffness then, and droppers that lean their own length.
-    """
-    plan, arms = section.plan, line.steady_arms
-    give = arms.length / arms.axial_stiffness
-
-    def y(spot: Spot) -> float:
-        return float(section.aside(np.array([spot.station]), spot.wire)[0])
-
-    ties = list(plan.ties)
-    for number, length in zip(section.droppers.values(), section.lengths, strict=True):
-        ties[number] = replace(ties[number], length=float(length))
-    for number in section.arms.values():
-        arm = ties[number]
-        assert not isinstance(arm.other, Spot)
-        x, aside, z = arm.other
-        ties[number] = replace(
-            arm, other=(x, aside + y(arm.spot), z), length=arms.length, stiffness=1.0 / give, pushes=1.0 / give
-        )
-    holds = (replace(hold, place=(hold.place[0], y(hold.spot), hold.place[2])) for hold in plan.holds)
-    wires = (
-        replace(
-            wire, start=(wire.start[0], y(Spot(i, 0.0)), wire.start[2]),
-            end=(wire.end[0], y(Spot(i, wire.length)), wire.end[2]),
-        )
-        for i, wire in enumerate(plan.wires)
-    )  # fmt: skip
-    return replace(section, plan=replace(plan, wires=tuple(wires), ties=tuple(ties), holds=tuple(holds)))
 
 
 def joined(sections: Sequence[Section]) -> tuple[WirePlan, list[int]]:
@@ -258,7 +172,7 @@ def elasticity(
     return stations, found
 
 
-def _task(name: str, line: OverheadLine, gravity: float, supports: Array, stagger: Array) -> FormFindingTask:
+def _task(name: str, line: OverheadLine, gravity: float, supports: Array, view: PlanView) -> FormFindingTask:
     """What is wanted, in terms of wires."""
     z0, end = line.start[-1], float(supports[-1])
     kind: EndKind = "free" if line.ends == "weights" else "pinned"
@@ -297,8 +211,8 @@ def _task(name: str, line: OverheadLine, gravity: float, supports: Array, stagge
             for number in (span - 1, span) if stitch is not None else ():
                 if 0 <= number < len(inner) and abs(x - inner[number]) < reach:
                     high = Spot(2 + number, x - inner[number] + reach)
-            straight = line.messenger_supports.stagger == "straight"
-            aside = -float(np.interp(x, supports, stagger)) if straight else 0.0
+            at = np.array([x])
+            aside = float((view.aside(high.wire, at) - view.aside(CONTACT, at))[0])
             fails = cut.time if cut is not None and (span + 1, i) in cut.droppers else math.inf
             hangers.append(Hanger(f"{name}.{span + 1}.{i}", Spot(CONTACT, x), high, height, aside, fails))
     arms = line.steady_arms
@@ -352,7 +266,7 @@ def _level_length(length: float, rise: float) -> float:
 
 
 def _finished(
-    name: str, line: OverheadLine, task: FormFindingTask, form: Form, supports: Array, stagger: Array
+    name: str, line: OverheadLine, task: FormFindingTask, form: Form, supports: Array, view: PlanView
 ) -> Section:
     """Hold the line by what holds it in fact, with the forces that it takes."""
     inner = supports[1:-1]
@@ -373,15 +287,14 @@ def _finished(
     if not arms and not line.steady_arms.free:
         for i, spot in enumerate(spots):
             own.append(Hold(f"{name}.arm.{i + 1}", spot, (0.0, 0.0, 0.0), force=(0.0, 0.0, float(lift[i]))))
-    ends = soft_holds(task.links, form.heights([link.low for link in task.links]))
     plan = replace(
-        task.plan, ties=(*form.ties, *arms), holds=(*task.plan.holds, *own, *ends), masses=form.masses,
+        task.plan, ties=(*form.ties, *arms), holds=(*task.plan.holds, *own), masses=form.masses,
         watched={f"{name}.support.{i}": spot for i, spot in enumerate(spots, start=1)},
     )  # fmt: skip
     first, last = line.analysed
     hangers = task.hangers
     return Section(
-        name, plan, line.element, supports, (float(supports[first - 1]), float(supports[last])),
+        name, plan, line.element, supports, (float(supports[first - 1]), float(supports[last])), view,
         droppers={hanger.name: i for i, hanger in enumerate(hangers)},
         lengths=form.lengths,
         stations=np.array([hanger.low.station for hanger in hangers]),
@@ -389,9 +302,6 @@ def _finished(
         slack=tuple(hanger.name for hanger, pull in zip(hangers, form.pull, strict=True) if pull <= 0.0),
         arms={arm.name: len(form.ties) + i for i, arm in enumerate(arms)},
         holds={hold.name: len(task.plan.holds) + i for i, hold in enumerate(own)},
-        side=line.start[1] if len(line.start) == 3 else 0.0,
-        stagger=stagger,
-        straight_messenger=line.messenger_supports.stagger == "straight",
         registered=np.array(line.registered),
     )  # fmt: skip
 
@@ -402,12 +312,6 @@ def _changed(name: str, line: OverheadLine, fitted: Section) -> Section:
     assert condition is not None
     try:
         plan, kept = in_condition(fitted.plan, line.element, names, condition, anchored=line.ends == "anchored")
-        messenger, stitch = plan.wires[MESSENGER].tension, max((r.tension for r in plan.reliefs), default=0.0)
-        if messenger <= stitch:
-            raise EquilibriumError(
-                f"between the clamps of stitch wires of {stitch:g} N a messenger of {messenger:.4g} N would be slack; "
-                "give a smaller change of temperature, or let weights keep the tension (ends: weights)"
-            )
         lengths = (1.0 + condition.expansion * condition.temperature_rise) * fitted.lengths[kept]
         changed = replace(
             fitted, plan=plan, droppers={names[i]: k for k, i in enumerate(kept)}, lengths=lengths,

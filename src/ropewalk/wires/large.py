@@ -83,6 +83,8 @@ def threads_of(mesh: Mesh, position: Array, rest: Array, step: float, inner: int
     steady = correction(mesh, position, bending)
     steady[0] = 0.0  # only waves across are corrected
     steady[-1] -= plan.gravity * mesh.mass
+    if len(axes) == 3:
+        steady[1] += mesh.sideways
     steady += (rows(mesh.holds.at, mesh.nodes).T @ mesh.holds.force).T[axes]
     return Threads(
         bending, gain, inner * gain, (2.0 - slow) / slow, (2.0 - slow_end) / slow_end, gain * steady,

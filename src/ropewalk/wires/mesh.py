@@ -103,6 +103,7 @@ class Mesh(NamedTuple):
     ties: WireTies
     holds: Holds
     relief: Array  # (node,) N, by which the link behind each node pulls less than its wire
+    sideways: Array  # (node,) N, constant forces along y
 
     @property
     def tension(self) -> Array:
@@ -186,8 +187,11 @@ def mesh_of(plan: WirePlan, element: float | list[int]) -> Mesh:
     extra = np.array(sorted(special), dtype=np.int64)
     holds = _holds(strands, plan)
     fixed, driven = _fixed(strands, plan, holds)
-    relief = _relief(strands, plan)
-    return Mesh(plan, strands, mass, own, fixed, driven, extra, _ties(strands, plan), holds, relief)
+    relief, sideways = _relief(strands, plan), np.zeros_like(mass)
+    pulled = clamped_at(strands, [one.spot for one in plan.sideways])
+    for base, weight, one in zip(pulled.base, pulled.weight, plan.sideways, strict=True):
+        sideways[base : base + WIDTH] += weight * one.force
+    return Mesh(plan, strands, mass, own, fixed, driven, extra, _ties(strands, plan), holds, relief, sideways)
 
 
 def places_of(strands: WireRuns, spots: Sequence[Spot]) -> Places:

@@ -111,6 +111,14 @@ class WireTie:
 
 
 @dataclass(frozen=True)
+class SideForce:
+    """A constant force sideways."""
+
+    spot: Spot
+    force: float  # N, along y
+
+
+@dataclass(frozen=True)
 class Relief:
     """A piece of a wire beside which another one, clamped to it at both ends, takes over a part of its tension."""
 
@@ -172,5 +180,6 @@ class WirePlan:
     holds: tuple[Hold, ...] = ()
     masses: tuple[PointMass, ...] = ()
     reliefs: tuple[Relief, ...] = ()
+    sideways: tuple[SideForce, ...] = ()
     gravity: float = 9.81  # m/s^2, downwards
     watched: dict[str, Spot] = field(default_factory=dict)  # points whose height is recorded closely, by name

@@ -19,6 +19,7 @@ from ropewalk.wires.spline import WIDTH
 _MOST_STEPS = 60
 # Heights are found to this part of the longest wire; forces follow from them.
 _CLOSE = 1e-13
+_SOFT = 1.0  # N/m, with which wires that hang from others are held until it is known how these hold them
 _RIGID = 1e-12  # m/N: what yields less is taken to yield by this
 ROUNDING = 1e-12  # of an instant
 
@@ -144,7 +145,9 @@ def rest_of(mesh: Mesh) -> WiresAtRest:
     K = K + H.T @ sparse.diags(stiff) @ H
     size = float(mesh.strands.h @ mesh.strands.links)
     constraint, local, level = H[fast], holds.at.local[fast], holds.place[fast, 2]
-    z += _solve(K, constraint, local, free, load - K @ z, level - constraint @ z)[0]
+    hanging = rows(ties.one, mesh.nodes)[ties.lengthwise]
+    first = K + _SOFT * (hanging.T @ hanging)
+    z += _solve(first, constraint, local, free, load - K @ z, level - constraint @ z)[0]
     pull, slack = ties_springs(mesh)
     for _ in range(_MOST_STEPS):
         rise = A @ z + ground
