@@ -43,12 +43,38 @@ def in_space(section: Section, line: OverheadLine) -> Section:
     def y(spot: Spot) -> float:
         return float(section.aside(np.array([spot.station]), spot.wire)[0])
 
+    def inside(spot: Spot) -> float:
+        return float(view.inside(spot.wire, view.station(spot.wire, np.array([spot.station])))[0])
+
     def level(x: float, wire: int) -> float:
         return x0 + (x - x0) * _shortened(section, min(wire, MESSENGER))
 
+    def laid(i: int, wire: Wire) -> Wire:
+        x, aside = level(wire.start[0], i), (y(Spot(i, 0.0)), y(Spot(i, wire.length)))
+        along = (wire.end[0] - wire.start[0]) * _shortened(section, i)
+        return replace(wire, start=(x, aside[0], wire.start[2]), end=(x + along, aside[1], wire.end[2]))
+
+    wires = tuple(laid(i, wire) for i, wire in enumerate(plan.wires))
+
+    def place(spot: Spot, rise: float) -> Array:
+        start, end = np.array(wires[spot.wire].start), np.array(wires[spot.wire].end)
+        x, aside, _ = start + spot.station / wires[spot.wire].length * (end - start)
+        return np.array([x, aside if spot.wire > MESSENGER else y(spot), rise])
+
     ties = list(plan.ties)
+    for number, tie in enumerate(ties):
+        if tie.lengthwise:
+            assert isinstance(tie.other, Spot)
+            distance, way = float(section.rest.tie_distance[number]), section.rest.tie_way[number]
+            apart = place(tie.other, distance * way[2]) - place(tie.spot, 0.0) - [0.0, inside(tie.spot), 0.0]
+            reach, along = float(np.linalg.norm(apart)), abs(float(section.rest.tie_force[number] * way[0]))
+            pull = along * reach / abs(float(apart[0]))
+            link = pulling(tie.name, tie.spot, tie.other, tie.stiffness, reach, pull)
+            ties[number] = replace(link, aside=-inside(tie.spot))
     for number, length in zip(section.droppers.values(), section.lengths, strict=True):
-        ties[number] = replace(ties[number], length=float(length))
+        high = ties[number].other
+        assert isinstance(high, Spot)
+        ties[number] = replace(ties[number], length=float(length), aside=inside(high))
     for number in section.arms.values():
         arm = ties[number]
         assert not isinstance(arm.other, Spot)
@@ -61,23 +87,19 @@ def in_space(section: Section, line: OverheadLine) -> Section:
         replace(hold, place=(level(hold.place[0], hold.spot.wire), y(hold.spot), hold.place[2])) for hold in plan.holds
     )
 
-    def laid(i: int, wire: Wire) -> Wire:
-        x, aside = level(wire.start[0], i), (y(Spot(i, 0.0)), y(Spot(i, wire.length)))
-        along = (wire.end[0] - wire.start[0]) * _shortened(section, i)
-        return replace(wire, start=(x, aside[0], wire.start[2]), end=(x + along, aside[1], wire.end[2]))
-
     turned = []
     for i, (station, turn) in enumerate(zip(view.supports[1:-1], view.turns, strict=True)):
         less = view.stitch_tension if view.reach else 0.0
         for wire, own, less_there in ((CONTACT, station, 0.0), (MESSENGER, station, less)):
             turned.append(SideForce(Spot(wire, float(own)), float(turn * (plan.wires[wire].tension - less_there))))
-        if less:
+        if less:  # what its links pull outwards, as they go on along it
             stitch = plan.wires[STITCH + i]
-            turned.append(SideForce(Spot(STITCH + i, 0.5 * stitch.length), float(turn * stitch.tension)))
+            for end in (0.0, stitch.length):
+                turned.append(SideForce(Spot(STITCH + i, end), float(0.5 * turn * stitch.tension)))
     return replace(
         section,
         plan=replace(
-            plan, wires=tuple(laid(i, wire) for i, wire in enumerate(plan.wires)), ties=tuple(ties),
+            plan, wires=wires, ties=tuple(ties),
             holds=tuple(holds), sideways=tuple(force for force in turned if force.force),
         ),
     )  # fmt: skip
@@ -94,11 +116,12 @@ def near_rest(section: Section) -> Array:
 
 
 def bow_of(section: Section, line: OverheadLine) -> Array:
-    """How far the chords that wires are laid out along are aside of the middle of the track, (node,) m."""
+    """How far wires are to the left of where they are computed, along chords of the track, (node,) m."""
     mesh, out = section.mesh(), np.zeros(section.mesh().nodes)
     for i, wire in enumerate(section.plan.wires):
         station = section.view.station(i, np.linspace(0.0, wire.length, int(mesh.strands.links[i]) + 1))
-        out[mesh.of(i)] = across(line, station) - np.interp(station, section.view.supports, section.view.stagger)
+        chord = np.interp(station, section.view.supports, section.view.stagger)
+        out[mesh.of(i)] = across(line, station) - chord + section.view.inside(i, station)
     return out
 
 

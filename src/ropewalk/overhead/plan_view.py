@@ -45,20 +45,22 @@ class PlanView:
         return np.asarray(self.supports[1 + wire - STITCH] - self.reach + self.last_piece + own)
 
     def aside(self, wire: int, station: Array) -> Array:
-        """Where a wire runs at stations of the line, y in m."""
+        """Where a wire runs at stations of the line, y in m; a stitch wire as if the chords did not turn between."""
         if wire == CONTACT:
             points: _Polygon = self.supports, self.stagger
         elif wire == MESSENGER:
             points = self._messenger
         else:
-            i = wire - STITCH
-            middle = self.supports[1 + i]
-            clamps = np.array([middle - self.reach, middle + self.reach])
-            ends = np.interp(clamps, *self._messenger)
-            # Straight from clamp to clamp, where the chords turn.
-            between = ends.mean() + 0.5 * self.turns[i] * self.reach
-            points = np.insert(clamps, 1, middle), np.insert(ends, 1, between)
+            clamps = self.supports[1 + wire - STITCH] + self.reach * np.array([-1.0, 1.0])
+            points = clamps, np.interp(clamps, *self._messenger)
         return np.asarray(self.side + np.interp(station, *points))
+
+    def inside(self, wire: int, station: Array) -> Array:
+        """How far a stitch wire is to the left of that, m: it goes straight from clamp to clamp where chords turn."""
+        if wire < STITCH:
+            return np.zeros_like(station)
+        i = wire - STITCH
+        return np.asarray(0.5 * self.turns[i] * (self.reach - np.abs(station - self.supports[1 + i])))
 
     @cached_property
     def _messenger(self) -> _Polygon:

@@ -212,7 +212,7 @@ def _task(name: str, line: OverheadLine, gravity: float, supports: Array, view: 
                 if 0 <= number < len(inner) and abs(x - inner[number]) < reach:
                     high = Spot(2 + number, x - inner[number] + reach)
             at = np.array([x])
-            aside = float((view.aside(high.wire, at) - view.aside(CONTACT, at))[0])
+            aside = float((view.aside(high.wire, at) + view.inside(high.wire, at) - view.aside(CONTACT, at))[0])
             fails = cut.time if cut is not None and (span + 1, i) in cut.droppers else math.inf
             hangers.append(Hanger(f"{name}.{span + 1}.{i}", Spot(CONTACT, x), high, height, aside, fails))
     arms = line.steady_arms

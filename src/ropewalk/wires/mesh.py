@@ -57,7 +57,7 @@ class WireTies(NamedTuple):
 
     one: Places
     other: Places  # where `grounded`, the weights are zero
-    ground: Array  # (tie, 3) m, NaN where not grounded
+    ground: Array  # (tie, 3) m; where not grounded NaN, and how much farther aside the other wire is
     stiffness: Array
     pushes: Array
     damping: Array
@@ -294,7 +294,8 @@ def _column(values: list[float]) -> Array:
 
 def _ties(strands: WireRuns, plan: WirePlan) -> WireTies:
     ties = plan.ties
-    ground = np.array([(np.nan,) * 3 if isinstance(tie.other, Spot) else tie.other for tie in ties]).reshape(-1, 3)
+    apart = [(np.nan, tie.aside, np.nan) if isinstance(tie.other, Spot) else tie.other for tie in ties]
+    ground = np.array(apart, dtype=np.float64).reshape(-1, 3)
     one = clamped_at(strands, [tie.spot for tie in ties])
     other = clamped_at(strands, [tie.other if isinstance(tie.other, Spot) else tie.spot for tie in ties])
     other.weight[np.isfinite(ground[:, 0])] = 0.0

@@ -107,6 +107,7 @@ class WireTie:
     mass: float = 0.0  # kg, half of which goes to each end
     strength: float = np.inf  # N, pull that tears it
     fails_at: float = np.inf  # s
+    aside: float = 0.0  # m, how much farther to the left the other wire is than its coordinates say
     lengthwise: bool = False  # whether it is the last piece of a wire, which pulls another one along the line
 
 

@@ -22,7 +22,7 @@ class LinkSprings(NamedTuple):
     one: Integers  # (spring,) first node of the one end, and of the other
     other: Integers
     weight: Array  # (spring, 2, WIDTH) of both ends
-    place: Array  # (spring, 3) m, of the ground; NaN where the other end is on a wire
+    place: Array  # (spring, 3) m, of the ground; where the other end is on a wire NaN, and how much farther aside
     aside: Array  # (spring,) m sideways from the one end to the other, in the plane
     length: Array  # m unstrained
     pull: Array  # N/m
@@ -101,7 +101,7 @@ def add_tie_forces(link_springs, which, now, other, gain, dt, work, found, row, 
         dx, dy, dz = link_springs.place[e, 0], link_springs.place[e, 1], link_springs.place[e, 2]
         if np.isnan(dx):
             dx, dz = _height(x, j, weight, e, 1), _height(z, j, weight, e, 1)
-            dy = _height(now[1], j, weight, e, 1) if axes == 3 else 0.0
+            dy = _height(now[1], j, weight, e, 1) + dy if axes == 3 else 0.0
         dx, dz = dx - _height(x, i, weight, e, 0), dz - _height(z, i, weight, e, 0)
         dy = dy - _height(now[1], i, weight, e, 0) if axes == 3 else link_springs.aside[e]
         size = np.sqrt(dx * dx + dy * dy + dz * dz)
