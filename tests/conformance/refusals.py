@@ -66,6 +66,7 @@ _PATTERNS = {
         "lines with bending stiffness and networks do not whirl":
             rf"\.whirl: {_NOT}|a mode outside the x-z plane {_NOT}",
         "no implicit method over sheaves": rf"implicit with lines over sheaves {_NOT}",
+        "under such loads no curves and stitch wires": rf"\.(radius|stitch_wire): {_NOT} overhead",
         "overhead lines under such loads begin at rest": rf"run\.start\.kind: {_NOT} overhead",
         "results do not hold the slip over sheaves": rf"run\.start\.kind: {_NOT} lines over sheaves",
         "inextensible and overhead lines move explicitly": rf"run\.method: {_NOT} (beams|joined|inextensible)",
