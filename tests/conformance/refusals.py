@@ -66,7 +66,6 @@ _PATTERNS = {
         "lines with bending stiffness and networks do not whirl":
             rf"\.whirl: {_NOT}|a mode outside the x-z plane {_NOT}",
         "no implicit method over sheaves": rf"implicit with lines over sheaves {_NOT}",
-        "under such loads no curves and stitch wires": rf"\.(radius|stitch_wire): {_NOT} overhead",
         "overhead lines under such loads begin at rest": rf"run\.start\.kind: {_NOT} overhead",
         "results do not hold the slip over sheaves": rf"run\.start\.kind: {_NOT} lines over sheaves",
         "inextensible and overhead lines move explicitly": rf"run\.method: {_NOT} (beams|joined|inextensible)",
@@ -76,6 +75,7 @@ _PATTERNS = {
         "no linear theory of overhead lines": rf"run\.kind: {_NOT} overhead|\.kind: {_NOT} kind: linear",
         "no linearised motion of nets, nor under such loads":
             rf"run\.geometry: (linearised geometry )?{_NOT}|nets\.[^:]*: {_NOT} small motion",
+        "under such loads no curves and stitch wires": rf"\.(radius|stitch_wire): {_NOT} overhead",
         "no axial inertia over sheaves, nor in spectra at an instant": rf"axial_inertia: {_NOT}",
         "the sixth order needs forces that do not jump": rf"rkn6 with .* {_NOT}",
         "feedback on single ropes only": rf"{_NOT} a run without feedback",

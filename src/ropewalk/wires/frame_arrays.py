@@ -101,7 +101,7 @@ class Pictures:
         before = [np.stack(each) for each in zip(*recorded, strict=True)]
         motion, lifts = self.motion, self.moving_loads.lifts
         r, v = motion.seen(then.both)
-        shown = r if self._bow is None else r + np.array([[0.0], [1.0], [0.0]]) * self._bow
+        displayed = r if self._bow is None else r + np.array([[0.0], [1.0], [0.0]]) * self._bow
         if isinstance(motion, LargeMotion):
             strain = motion.strain(r[:, self.axes])[:, self._links]
             tension = axial_force(self.mesh, self._stiffness * strain, r)
@@ -114,9 +114,9 @@ class Pictures:
         places, rates = self._bodies(then, station, r)
         watched = np.where(np.abs(before[3]) < _NOTHING, 0.0, before[3] - self._watched)
         of = {
-            "position": shown[:, self.axes].swapaxes(1, 2), "velocity": v[:, self.axes].swapaxes(1, 2),
+            "position": displayed[:, self.axes].swapaxes(1, 2), "velocity": v[:, self.axes].swapaxes(1, 2),
             "tension": tension, "strain": strain, "body_position": places, "body_velocity": rates,
-            **self._contacts(shown, tension, where == ON_WIRE, station, force, height, in_air).fields(),
+            **self._contacts(displayed, tension, where == ON_WIRE, station, force, height, in_air).fields(),
             "reaction": self.reactions(motion.hold_at_rest + hold, tie, r, then.failed),
             "energy": self._energies.of(then),
             "tie_force": tie, "sampled_station": stations, "sampled_force": before[0], "sampled_height": before[1],

@@ -83,8 +83,7 @@ def threads_of(mesh: Mesh, position: Array, rest: Array, step: float, inner: int
     steady = correction(mesh, position, bending)
     steady[0] = 0.0  # only waves across are corrected
     steady[-1] -= plan.gravity * mesh.mass
-    if len(axes) == 3:
-        steady[1] += mesh.sideways
+    steady[1:-1] += mesh.sideways  # in space
     steady += (rows(mesh.holds.at, mesh.nodes).T @ mesh.holds.force).T[axes]
     return Threads(
         bending, gain, inner * gain, (2.0 - slow) / slow, (2.0 - slow_end) / slow_end, gain * steady,
