@@ -70,13 +70,13 @@ class PlanView:
             return self.supports, stagger
         inner = self.supports[1:-1]
         points = np.sort(np.concatenate([self.supports, inner - self.reach, inner + self.reach]))
-        strings, pull = [(i, i + 1, self.tension) for i in range(points.size - 1)], np.zeros(points.size)
+        links, pull = [(i, i + 1, self.tension) for i in range(points.size - 1)], np.zeros(points.size)
         for middle, turn in zip(inner, self.turns, strict=True):
             i, j = np.searchsorted(points, [middle - self.reach, middle + self.reach])
-            strings += [(i, j, self.stitch_tension), *((k, k + 1, -self.stitch_tension) for k in range(i, j))]
+            links += [(i, j, self.stitch_tension), *((k, k + 1, -self.stitch_tension) for k in range(i, j))]
             pull[[i, j]] += 0.5 * self.stitch_tension * turn
         K = np.zeros((points.size, points.size))
-        for i, j, T in strings:
+        for i, j, T in links:
             K[np.ix_([i, j], [i, j])] += T / (points[j] - points[i]) * np.array([[1.0, -1.0], [-1.0, 1.0]])
         y, fixed = np.zeros(points.size), np.searchsorted(points, self.supports)
         y[fixed] = stagger
