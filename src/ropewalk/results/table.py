@@ -439,6 +439,8 @@ def _carriage_rows(name: str, carriage: Summary, say: Column) -> Iterator[Row]:
     if (most := carriage.get("drive_ratio")) is not None:
         bears = f"friction bears {number(most['friction_bears'], 3)}"
         yield "largest ratio at the drive", number(most["value"], 3), "  ".join((bears, *_when(most)))
+    if (slip := carriage.get("slip")) is not None and slip["max"]["value"] > slip["min"]["value"]:
+        yield "slip over the drive", say.span(slip["min"]["value"], slip["max"]["value"], "m"), ""
 
 
 def _exchange_rows(name: str, exchange: Summary, say: Column) -> Iterator[Row]:
