@@ -43,7 +43,7 @@ def test_a_rope_of_given_tension_is_the_taut_catenary() -> None:
 def test_a_shallow_rope_is_as_stiff_as_ernst_says(taut: float) -> None:
     """Pull and 1/k = L/EA + (w l)^2 L/(12 T^3) (Ernst 1965, Dischinger 1949) beside an elastic catenary.
 
-    Both are right to the square of the sag: (w l/T)^2 is 1e-2 and 6e-4.
+    Right to the sag, 1/80 and 1/320, and to the strain, by which L is longer than it was.
     """
     span, EA, w = 200.0, 1e7, 12.0
 
@@ -56,9 +56,9 @@ def test_a_shallow_rope_is_as_stiff_as_ernst_says(taut: float) -> None:
     soft = (w * span) ** 2 / 24.0
     assert tension_entry(span / length - 1.0, soft, EA) == pytest.approx(T, rel=0.1 / taut)
     compliance = 2e-3 / (pull(1e-3) - pull(-1e-3))
-    assert compliance == pytest.approx(span / EA + (w * span) ** 2 * span / (12.0 * T**3), rel=0.2 / taut)
+    assert compliance == pytest.approx(span / EA + (w * span) ** 2 * span / (12.0 * T**3), rel=0.2 / taut + T / EA)
     more = [tension_entry((span + way) / length - 1.0, soft, EA) for way in (-1e-3, 1e-3)]
-    assert 2e-3 / (more[1] - more[0]) == pytest.approx(compliance, rel=0.2 / taut)
+    assert 2e-3 / (more[1] - more[0]) == pytest.approx(compliance, rel=0.2 / taut + T / EA)
 
 
 def test_a_carriage_at_rest_is_held_by_two_catenaries() -> None:
@@ -75,7 +75,7 @@ def test_a_carriage_at_rest_is_held_by_two_catenaries() -> None:
         # Its sag is that of a shallow rope: right to (w l/T)^2/24 = 4e-3 of what sags.
         assert found["pull"][key]["value"] == pytest.approx(np.linalg.norm(rope.force[0]), rel=1e-3)
         assert found["drive_tension"][key]["value"] == pytest.approx(np.linalg.norm(rope.end_reaction), rel=1e-3)
-        assert found["counter_pull"][key]["value"] == pytest.approx(np.linalg.norm(counter), rel=1e-6)
+        assert found["counter_pull"][key]["value"] == pytest.approx(np.linalg.norm(counter), rel=1e-5)
     # Ropes that sag weigh on the carriage, each with more than half of itself as it hangs below its chord.
     line = result.contact_force.values[0].sum(axis=0) - result.hold_force.values[0].sum(axis=0)
     assert -line[1] == pytest.approx(500.0 * G, rel=1e-3)

@@ -51,7 +51,7 @@ HAUL = np.dtype(
         ("masses", _CODE),
         ("tower", _CODE),  # first of the towers on its way, beginning at the drive
         ("towers", _CODE),
-        ("grip", _REAL),  # e^(friction wrap) of the sheave of the drive; 0: it does not slip
+        ("bears", _REAL),  # e^(friction wrap) of the sheave of the drive; 0: it does not slip
         ("counter", _REAL),  # N, tension of the counter rope at its station; 0: there is none
         ("counter_weight", _REAL),  # N/m
         ("counter_mass", _REAL),  # kg/m
@@ -89,6 +89,8 @@ PART = np.dtype(
 )
 # Rounds in which a tension is found, the part of it to which it is, and rounds in which a rope at rest is laid out.
 _ROUNDS, _CLOSE, _LAID = 60, 1e-14, 60
+# Part of the tension that friction bears to which it is found.
+_SLIPS = 1e-9
 # Least tension of a rope that hangs freely as it is laid out, over w L/24^(1/2): its sag takes a quarter of its length.
 _LEAST = 2.0
 
@@ -244,8 +246,8 @@ def _stretch(hauls, ropes, towers, e, since):
         ropes[p + j].tension = T
         deep = max(deep, ropes[p + j].soft / max(spring * spring, 1e-300))
     hauls[e].deep = np.sqrt(24.0 * deep)
-    if since > 0.0 and hauls[e].grip > 0.0:
-        _slip(hauls, ropes, e)
+    if since > 0.0 and hauls[e].bears > 0.0:
+        _slip(hauls, ropes, e, since)
     for i in range(n):
         up = _height(hauls, e, _edge(hauls, ropes, e, i + 1)) - _height(hauls, e, _edge(hauls, ropes, e, i))
         pull = ropes[p + i + 1].tension - ropes[p + i].tension - hauls[e].weight * up
@@ -258,23 +260,33 @@ def _stretch(hauls, ropes, towers, e, since):
 
 
 @lean_inner
-def _slip(hauls, ropes, e):
-    """Let a rope slip on the sheave of its drive, where it is pulled by more than friction bears."""
-    p, n, now, across = hauls[e].part, hauls[e].masses, hauls[e].now, hauls[e].across[1]
-    T, most, least = ropes[p].tension, hauls[e].slack_side * hauls[e].grip, hauls[e].slack_side / hauls[e].grip
+def _slip(hauls, ropes, e, since):
+    """Let a rope slip on the sheave of its drive, where it is pulled by more than friction bears, for a time in s.
+
+    The strain d that the first spring loses, and its damper with it: T(e - d) + c (e' - d/dt) is what friction bears.
+    """
+    p, n, now, EA = hauls[e].part, hauls[e].masses, hauls[e].now, hauls[e].stiffness
+    T, across, soft, strain = ropes[p].tension, hauls[e].across[1], ropes[p].soft, ropes[p].strain
+    most, least = hauls[e].slack_side * hauls[e].bears, hauls[e].slack_side / hauls[e].bears
     least, most = np.sqrt(max(least**2 - across**2, 0.0)), np.sqrt(max(most**2 - across**2, 0.0))
     bears = min(max(T, least), most)
     if bears == T:
         return
-    stiff = hauls[e].stiffness
-    if ropes[p].soft > 0.0:
-        stiff = 1.0 / (1.0 / stiff + 2.0 * ropes[p].soft / max(T, bears) ** 3)
-    way = (T - bears) / stiff * _share(hauls, e, 0) * now  # what lets the first spring go
+    damper, lost = hauls[e].damping / since, 0.0
+    for _ in range(_ROUNDS):
+        spring = tension_of(strain - lost, soft, EA)
+        stiff = 1.0 / (1.0 / EA + 2.0 * soft / max(spring, 1e-3 * bears) ** 3)
+        step = (spring + hauls[e].damping * ropes[p].rate - damper * lost - bears) / (stiff + damper)
+        lost += step
+        if abs(step) * EA <= _SLIPS * bears:
+            break
+    way = lost * _share(hauls, e, 0) * now
     hauls[e].slipped += way
     for i in range(n):
         ropes[p + i].place -= (1.0 + ropes[p + i].strain) * (1.0 - (i + 0.5) / n) * way
     hauls[e].now += way
-    ropes[p].strain -= (T - bears) / stiff
+    ropes[p].strain -= lost
+    ropes[p].rate -= lost / since
     ropes[p].tension = bears
 
 
