@@ -428,9 +428,9 @@ def _carriage_rows(name: str, carriage: Summary, say: Column) -> Iterator[Row]:
         yield "least tension over wheel load", number(least["value"], 3), where
     if (least := carriage["transverse_ratio"]) is not None:
         yield "least tension over transverse force", number(least["value"], 3), "  ".join(_when(least))
-    for key, what in (("sway", "sway along the line"), ("side_sway", "sway to the side")):
+    for key, what in (("sway", "sway along the line"), ("side_sway", "sway to the side"), ("slip", "slip at the drive")):
         if (entry := carriage.get(key)) is not None:
-            yield what, say.span(entry["min"]["value"], entry["max"]["value"], "rad"), ""
+            yield what, say.span(entry["min"]["value"], entry["max"]["value"], entry["unit"]), ""
     pulls = {"pull": "pull of the hauling rope", "drive_tension": "tension at the drive"}
     for key, what in {**pulls, "counter_pull": "pull of the counter rope"}.items():
         if (entry := carriage.get(key)) is not None:
@@ -439,8 +439,6 @@ def _carriage_rows(name: str, carriage: Summary, say: Column) -> Iterator[Row]:
     if (most := carriage.get("drive_ratio")) is not None:
         bears = f"friction bears {number(most['friction_bears'], 3)}"
         yield "largest ratio at the drive", number(most["value"], 3), "  ".join((bears, *_when(most)))
-    if (slip := carriage.get("slip")) is not None and slip["max"]["value"] > slip["min"]["value"]:
-        yield "slip over the drive", say.span(slip["min"]["value"], slip["max"]["value"], "m"), ""
 
 
 def _exchange_rows(name: str, exchange: Summary, say: Column) -> Iterator[Row]:
