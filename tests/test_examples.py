@@ -526,6 +526,11 @@ KNOWN = {
         Known("hauling rope taut: least pull over 10 kN, capped", ropeways.least_pull_of_the_haul, 1.0, 1e-12),
         Known("audit, part of the energy", audit, 0.0, 1e-3),
     ],
+    "ropeway-slipping-drive.yaml": [
+        # The cabin goes on swinging with a part of the energy, and the ropes stretch before they slip.
+        Known("slip over that of the friction", ropeways.slip_over_that_of_the_friction, 1.0, 0.1),
+        Known("audit, part of the energy", audit, 0.0, 1e-3),
+    ],
     "ropeway-tramway.yaml": [
         # Frictionless wheels and, at rest, saddles leave it as it is; links of 0.8 m on an arc of 1.5 m.
         Known("tension by height, N", ropeways.tension_over_the_saddle, 0.0, 400.0, ("run.until=0.1 s",)),

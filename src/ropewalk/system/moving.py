@@ -420,7 +420,7 @@ class SystemMotion:
         doubt_saddles(self._scenario, self.run_info, frames, self.layout.node_line)
         if self._carriages.rounds or self._crabs.each:
             doubt_wheels(self._scenario, self.run_info, frames, self.loading.wheels)
-            judge_hauling_ropes(self._scenario, self.run_info, frames, self.loading.wheels, self.layout.node_line)
+            judge_hauling_ropes(self._scenario, self.run_info, frames, self.layout.hauled, at.hauls["deep"])
         self._ask_friction(frames, at.contacts)
         return frames
 
