@@ -86,7 +86,8 @@ def _course(dataset: xr.Dataset, scenario: Scenario, name: str, load: Carriage) 
         found["sway"] = np.arctan2(hanger[:, 0], -hanger[:, -1]), "rad"
         if hanger.shape[1] == 3:
             found["side_sway"] = np.arctan2(hanger[:, 1], -hanger[:, 2]), "rad"
-    if (haul := _haul_of(scenario, name)) is not None:
+    hauled = "hauled" in dataset.variables  # results of before it was written have not
+    if (haul := _haul_of(scenario, name)) is not None and hauled:
         row = dataset["hauled"].values.tolist().index(name)
         ropes = Hauling.of(dataset["haul_tension"].values[:, row])
         found |= {"pull": (ropes.pull, "N"), "drive_tension": (ropes.drive, "N")}
@@ -116,7 +117,7 @@ def _carriage(dataset: xr.Dataset, scenario: Scenario, name: str, load: Carriage
         if key in course:
             found[key] = _both(*course[key], dataset)
     haul = _haul_of(scenario, name)
-    if haul is not None and haul.sheave is not None:
+    if haul is not None and haul.sheave is not None and "slip" in course:
         friction = float(np.exp(haul.sheave.friction * haul.sheave.wrap))
         sides = _both(*course["drive_ratio"], dataset)
         found["drive_ratio"] = None if sides is None else sides["max"] | {"friction_bears": friction}
