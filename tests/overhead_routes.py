@@ -63,6 +63,21 @@ def roll_over_moment(result: xr.Dataset) -> float:
     return float((4200.0 * 0.45**2 * (right - left) / 0.9 * y).sum() / (force * y**2).sum())
 
 
+def messenger_over_a_support(result: xr.Dataset, place: float) -> float:
+    """Tension along x of the messenger at the first instant where it is held, N."""
+    r = result.position.isel(time=0).values[result.line.values == "line.messenger"]
+    tension = result.tension.isel(time=0).values[result.link_line.values == "line.messenger"]
+    link = int(np.searchsorted(r[:, 0], place)) - 1
+    step = r[link + 1] - r[link]
+    return float(tension[link] * step[0] / np.linalg.norm(step))
+
+
+def lateral_pull(result: xr.Dataset, support: int) -> float:
+    """What arm and mast of a support bear sideways at the first instant, N."""
+    names = [f"line.arm.{support}", f"line.support.{support}"]
+    return float(result.reaction.isel(time=0).sel(support=names, axis="y").sum())
+
+
 def tension_at_first(result: xr.Dataset, line: str) -> float:
     """Tension of a wire in the middle at the first instant, N."""
     own = result.tension.isel(time=0).values[result.link_line.values == line]

@@ -206,6 +206,22 @@ def tension_at_the_drive_over_a_catenary(result: xr.Dataset) -> float:
     return float(first / np.linalg.norm(rope.end_reaction))
 
 
+def slip_over_that_of_the_friction(result: xr.Dataset) -> float:
+    """Length that slips in examples/ropeway-slipping-drive.yaml over that in which friction takes its kinetic energy.
+
+    Of 4 t and both ropes at 6 m/s, by what the sheave bears, T e^(friction wrap), less weights and the counter rope.
+    """
+    g, slip = 9.81, result.haul_slip.values[:, 0]
+    begins, ends = int(np.argmax(slip > 0.0)), int(np.argmax(slip > slip[-1] - 1e-3))
+    place = result.contact_position.values.mean(axis=1)[[begins, ends]]
+    (x, z), way = place.mean(axis=0), float(np.linalg.norm(place[1] - place[0]))
+    steep = float(np.diff(place, axis=0)[0, 1]) / way
+    mass = 4e3 + 1.8 * np.hypot(400.0 - x, 80.0 - z) + 1.5 * np.hypot(x, z)
+    bears = (25e3 + 1.5 * g * 80.0) * np.exp(0.16 * np.pi) - 1.8 * g * (80.0 - z)
+    brakes = bears - (25e3 + 1.5 * g * z) + 4e3 * g * steep
+    return float(slip[-1] / (0.5 * mass * 6.0**2 / brakes))
+
+
 def least_pull_of_the_haul(result: xr.Dataset, least: float = 10e3) -> float:
     """Least pull of the hauling rope of a carriage over another in N, 1 at most: whether it is taut."""
     return float(min(1.0, summary(result)["carriages"]["car"]["pull"]["min"]["value"] / least))

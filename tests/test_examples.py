@@ -342,6 +342,13 @@ KNOWN = {
         Known("static force by the balance of means, N", lambda r: overhead.static_force(r, "pantograph"), 110.0, 0.5),
         Known("audit, part of the energy", audit, 0.0, 0.01),
     ],
+    "overhead-line-stitch-wire.yaml": [
+        # The messenger's 21 kN but for the 3.5 kN of the stitch wire beside it.
+        Known("tension over a support, N", lambda r: overhead.messenger_over_a_support(r, 130.0), 17.5e3, 5.0),
+        # (T1 + T2) L / R of both wires, to the outside of a curve to the left.
+        Known("lateral pull at a support, N", lambda r: overhead.lateral_pull(r, 2), -(27e3 + 21e3) * 65.0 / 5e3, 0.5),
+        Known("audit, part of the energy", audit, 0.0, 0.01),
+    ],
     "overhead-line-dropper-failure.yaml": [
         Known("pull of the dropper once it has failed, N", overhead.pull_after_failure, 0.0, 0.0),
         Known("static force by the balance of means, N", lambda r: overhead.static_force(r, "front"), 110.0, 0.5),
@@ -517,6 +524,11 @@ KNOWN = {
         ),
         # It brakes on its way up, and both ropes stay taut.
         Known("hauling rope taut: least pull over 10 kN, capped", ropeways.least_pull_of_the_haul, 1.0, 1e-12),
+        Known("audit, part of the energy", audit, 0.0, 1e-3),
+    ],
+    "ropeway-slipping-drive.yaml": [
+        # The cabin goes on swinging with a part of the energy, and the ropes stretch before they slip.
+        Known("slip over that of the friction", ropeways.slip_over_that_of_the_friction, 1.0, 0.1),
         Known("audit, part of the energy", audit, 0.0, 1e-3),
     ],
     "ropeway-tramway.yaml": [

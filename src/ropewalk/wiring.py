@@ -25,6 +25,7 @@ from ropewalk.model.pantograph import LEADING, Pantograph
 from ropewalk.model.run import Dynamic, Quasistatic
 from ropewalk.model.run import Start as Beginning
 from ropewalk.model.scenario import Scenario
+from ropewalk.overhead.in_space import at_full_stiffness, bow_of, in_space, near_rest
 from ropewalk.overhead.irregularity import read_irregularity
 from ropewalk.overhead.lateral import across, widest
 from ropewalk.overhead.pantograph_loads import (
@@ -36,7 +37,8 @@ from ropewalk.overhead.pantograph_loads import (
     row_of,
     start_of,
 )
-from ropewalk.overhead.section import CONTACT, Section, in_space, joined, section_of
+from ropewalk.overhead.plan_view import CONTACT
+from ropewalk.overhead.section import Section, joined, section_of
 from ropewalk.results.stored import stored_instant
 from ropewalk.solve.load_schedule import horizon
 from ropewalk.wires.beginning import in_mode
@@ -65,9 +67,16 @@ def task_of(scenario: Scenario) -> WireTask:
     sections = {name: section_of(name, line, scenario.gravity) for name, line in scenario.overhead_lines.items()}
     slow = not isinstance(run, Dynamic)
     nonlinear = isinstance(run, Dynamic) and run.geometry == "nonlinear"
-    space = nonlinear and not scenario.lines and any(section.stagger.any() for section in sections.values())
-    near = tuple(section.near for section in sections.values()) if space else ()
-    laid = [in_space(s, scenario.overhead_lines[name]) if space else s for name, s in sections.items()]
+    space = nonlinear and not scenario.lines and not all(section.view.is_straight for section in sections.values())
+    near = tuple(near_rest(section) for section in sections.values()) if space else ()
+    bow = None
+    if space and any(section.view.turns.any() for section in sections.values()):
+        bow = np.concatenate([bow_of(s, scenario.overhead_lines[s.name]) for s in sections.values()])
+    laid = list(sections.values())
+    if nonlinear or slow:
+        laid = [at_full_stiffness(s, scenario.overhead_lines[s.name]) for s in laid]
+    if space:
+        laid = [in_space(s, scenario.overhead_lines[s.name]) for s in laid]
     plan, offsets = joined(laid) if sections else (WirePlan((), gravity=scenario.gravity), [])
     elements = [links_of(wire, section.element) for section in sections.values() for wire in section.plan.wires]
     first = len(plan.wires)
@@ -123,11 +132,12 @@ def task_of(scenario: Scenario) -> WireTask:
             name: range(offsets[i], offsets[i] + len(s.plan.wires)) for i, (name, s) in enumerate(sections.items())
         }
         groups |= {name: range(first + i, first + i + 1) for i, name in enumerate(scenario.lines)}
-        if run.start.kind != "rest":
-            begins = _in_mode if run.start.kind == "mode" else _as_stored
-            more["beginning"] = partial(begins, run.start, groups, space)
+        if run.start.kind == "mode":
+            more["beginning"] = partial(_in_mode, run.start, groups)
+        elif run.start.kind == "result":
+            more["beginning"] = partial(_as_stored, run.start, space, bow)
     if space:
-        more |= {"space": True, "near": near}
+        more |= {"space": True, "near": near, "bow": bow}
     diagnostics = tuple(remark for section in sections.values() for remark in _diagnostics(section))
     if isinstance(run, Dynamic) and not nonlinear:
         diagnostics += tuple(remark for name, line in scenario.overhead_lines.items() for remark in _unseen(name, line))
@@ -139,7 +149,7 @@ def task_of(scenario: Scenario) -> WireTask:
     )  # fmt: skip
 
 
-def _in_mode(start: Beginning, groups: Mapping[str, range], space: bool, rest: WireStart) -> tuple[Array, Array]:
+def _in_mode(start: Beginning, groups: Mapping[str, range], rest: WireStart) -> tuple[Array, Array]:
     """Positions and velocities of wires that are released in a mode, of each line or overhead line its own."""
     assert start.amplitude is not None
     position, way = rest.position.copy(), np.array(spatial(start.direction or UP))
@@ -151,7 +161,7 @@ def _in_mode(start: Beginning, groups: Mapping[str, range], space: bool, rest: W
     return position, np.zeros_like(position)
 
 
-def _as_stored(start: Beginning, groups: Mapping[str, range], space: bool, rest: WireStart) -> tuple[Array, Array]:
+def _as_stored(start: Beginning, space: bool, bow: Array | None, rest: WireStart) -> tuple[Array, Array]:
     """Positions and velocities of wires at a stored instant.
 
     Raises:
@@ -161,6 +171,8 @@ def _as_stored(start: Beginning, groups: Mapping[str, range], space: bool, rest:
     found = stored_instant(start, rest.mesh.nodes, len(axes))
     position, velocity = rest.position.copy(), np.zeros_like(rest.position)
     position[axes], velocity[axes] = found
+    if bow is not None:
+        position[1] -= bow
     restrained = ~movable(rest.mesh, space=True)
     away = float(np.abs(position - rest.position)[restrained].max(initial=0.0))
     if away > 1e-9 * max(wire.length for wire in rest.mesh.plan.wires):

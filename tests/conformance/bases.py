@@ -149,7 +149,7 @@ BASES: dict[str, Tree] = {
         "lines": {"rope": {**TAUT, "end": [20.0, 5.0]}, "other": {**TAUT, "start": [0.0, 3.0], "end": [20.0, 8.0]}},
         "loads": {
             "load": load("carriage", free(speed=0.0, start=8.0),
-                         haul={"over_to": "back", "axial_stiffness": 1e5, "axial_damping": 1e3}),
+                         haul={"over_to": "back", "axial_stiffness": 1e5, "axial_damping": 1e3, "mass": 0.3}),
             "back": load("carriage", free(speed=0.0, start=8.0), on="other", cabin=None),
         },
         "run": moves(start={"with_loads": True}),

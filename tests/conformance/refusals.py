@@ -75,6 +75,7 @@ _PATTERNS = {
         "no linear theory of overhead lines": rf"run\.kind: {_NOT} overhead|\.kind: {_NOT} kind: linear",
         "no linearised motion of nets, nor under such loads":
             rf"run\.geometry: (linearised geometry )?{_NOT}|nets\.[^:]*: {_NOT} small motion",
+        "under such loads no curves and stitch wires": rf"\.(radius|stitch_wire): {_NOT} overhead",
         "no axial inertia over sheaves, nor in spectra at an instant": rf"axial_inertia: {_NOT}",
         "the sixth order needs forces that do not jump": rf"rkn6 with .* {_NOT}",
         "feedback on single ropes only": rf"{_NOT} a run without feedback",

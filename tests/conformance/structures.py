@@ -82,6 +82,7 @@ OVERHEAD: Tree = {
 }  # fmt: skip
 
 _CURVE: Tree = {"radius": 2000.0, "steady_arms": {"stagger": [0.2] * 4}}
+_STITCHED: Tree = {**_CURVE, "stitch_wire": {"length": 18.0}}
 OVERLAP: Tree = {
     "section": {**OVERHEAD, **_CURVE, "heights": [0.0, 0.0, 0.02, 0.4], "overlap": "next"},
     "next": {**OVERHEAD, **_CURVE, "heights": [0.4, 0.02, 0.0, 0.0], "start": [40.0, 0.0]},
@@ -198,6 +199,11 @@ STRUCTURES: tuple[Structure, ...] = (
     Structure(
         "failing", "overhead line with droppers that fail",
         {"overhead_lines": {"section": {**OVERHEAD, "droppers": {**OVERHEAD["droppers"], **_FAILING}}}}, **_SPANS,
+    ),
+    Structure(
+        "stitched", "overhead line with stitch wires on a curve",
+        {"overhead_lines": {"section": {**OVERHEAD, **_STITCHED}}},
+        **_SPANS,
     ),
     Structure(
         "overlap", "overhead lines that overlap on a curve, linearised", {"overhead_lines": OVERLAP}, run=_LINEARISED,

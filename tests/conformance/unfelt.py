@@ -22,7 +22,6 @@ NEVER: dict[str, str] = {
     "Matrices.lift_off": "nothing leaves the line in the bases that have it",
     "Trolley.lift_off": "nothing leaves the line in the bases that have it",
     "Cabin.floor": "is for the clearance, which summaries tell; tests/system/test_carriages.py has",
-    "Haul.sheave": "is for doubts and summaries; tests/system/test_hauling_ropes.py has",
     "Line.strength": "is for doubts and summaries; tests/system/test_breaking.py has",
     "FmuTravel.path": "is for nets, on which no base has such a load; tests/system/test_loads_on_nets.py has",
     "FreeTravel.path": "is for nets, on which no base has such a load; tests/system/test_loads_on_nets.py has",
@@ -36,9 +35,7 @@ NEVER: dict[str, str] = {
 UNFELT: Reasons = {
     "Droppers.pushes": {"no dropper of the other line slackens": ("pantograph",)},
     "Line.law": {"its hysteresis stays, which does not go with such a law": ("webbing", "measured webbing")},
-    "Haul.sheave": {"is for doubts and summaries": ("carriage",)},
     "Line.strength": {"is for doubts and summaries": tuple(name for name, tree in BASES.items() if tree.get("lines"))},
-    "Haul.mass": {"weighs at the drive, of which summaries tell": ("two carriages",)},
     "Dynamic.method": {
         "auto has chosen an explicit method already, that of Verlet": (
             "plain",

@@ -108,15 +108,6 @@ def test_what_is_no_curve_of_an_overhead_line_is_refused(keys: dict[str, Any], m
         line(**keys)
 
 
-def test_nonlinear_motion_on_curves_is_refused() -> None:
-    tree = {
-        "overhead_lines": {"line": LINE | {"radius": 800, "steady_arms": SAME}},
-        "run": {"kind": "dynamic", "until": 1},
-    }
-    with pytest.raises(ValidationError, match=r"is not implemented for curves; write run.geometry: linearised"):
-        Scenario.model_validate(tree)
-
-
 def test_the_command_tells_of_arms_and_strip(tmp_path: Any) -> None:
     file = tmp_path / "curve.yaml"
     file.write_text(

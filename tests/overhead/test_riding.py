@@ -12,6 +12,7 @@ from ropewalk.errors import RopewalkError
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.pantographs import mean_force
 from ropewalk.overhead.pantograph_loads import Above, expected_lift, moving_load_of, push_of, start_of
+from ropewalk.overhead.plan_view import PlanView
 from ropewalk.overhead.section import Section
 from ropewalk.wires.plan import Wire, WirePlan
 from ropewalk.wires.rest import rest_of
@@ -104,6 +105,7 @@ def test_a_pantograph_cannot_start_off_the_line() -> None:
 
 def test_the_expected_lift_of_a_string_is_that_by_hand() -> None:
     plan = WirePlan((Wire("low", (0, 0, 5), (60, 0, 5), 20e3, 1.35),), gravity=0.0)
-    section = Section("one", plan, 0.25, np.array([0.0, 60.0]), (0.0, 60.0))
+    ends = np.array([0.0, 60.0])
+    section = Section("one", plan, 0.25, ends, (0.0, 60.0), PlanView(ends, np.zeros(2), np.zeros(0)))
     # Mean of x (L - x) / (T L) is L / (6 T); nine points in place of all miss 1 / (2 9^2) of it.
     assert expected_lift(section, 100.0) == pytest.approx(100.0 * 60.0 / (6.0 * 20e3), rel=0.01)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from overhead_cases import EN_2002, SIMPLE_AC, formed, rested
+from ropewalk.overhead.plan_view import PlanView
 from ropewalk.overhead.section import Section, elasticity, joined
 from ropewalk.wires.mesh import mesh_of
 from ropewalk.wires.plan import Spot, Wire, WirePlan, WireTie
@@ -61,7 +62,8 @@ def single(ties: tuple[WireTie, ...] = (), wires: int = 1) -> Section:
     """Weightless wires of one span of 60 m."""
     both = (Wire("low", (0, 0, 0), (60, 0, 0), 20e3, 1.35), Wire("high", (0, 0, 1), (60, 0, 1), 16e3, 1.07))
     plan = WirePlan(both[:wires], ties, gravity=0.0)
-    return Section("one", plan, 0.25, np.array([0.0, 60.0]), (0.0, 60.0))
+    ends = np.array([0.0, 60.0])
+    return Section("one", plan, 0.25, ends, (0.0, 60.0), PlanView(ends, np.zeros(2), np.zeros(0)))
 
 
 def test_a_string_rises_as_by_hand() -> None:

@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ropewalk.mechanics.compiled import filled_records, records
+from ropewalk.mechanics.compiled import filled_records
 from ropewalk.system import carriages as kernels
-from ropewalk.system.carriages import BAR, HAUL, Carriages
+from ropewalk.system.carriages import BAR, Carriages
 
 WHEELS = ("mean", "_share", "_apart")  # what the two kernels call
 
@@ -46,7 +46,7 @@ def four_wheels_and_a_cabin(dim: int) -> tuple[Carriages, np.ndarray]:
     )
     places = np.array([[0.0, 0.1, 0.0], [0.75, -0.1, 0.1], [1.9, 0.2, 0.3], [2.7, 0.0, 0.2], [1.9, 0.7, -3.8]])
     u = places[:, [0, 2]] if dim == 2 else places
-    return Carriages(bars.view(np.recarray), np.arange(5) * dim, records(0, HAUL)), u.ravel()
+    return Carriages.nothing()._replace(bars=bars.view(np.recarray), points=np.arange(5) * dim), u.ravel()
 
 
 def kernel_forces(carriages: Carriages, u: np.ndarray, w: np.ndarray, dim: int) -> np.ndarray:

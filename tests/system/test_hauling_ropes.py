@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from scipy.optimize import brentq
 
 from ropewalk.errors import EquilibriumError
-from ropewalk.mechanics.hanging_rope import hang_by_tension_entry, hang_entry
+from ropewalk.mechanics.hanging_rope import hang_by_tension_entry
 from ropewalk.model import Scenario
 from ropewalk.results.statistics import summary
 from ropewalk.simulate import simulate
+from ropewalk.system.hauling_ropes import tension_entry
 from ropewalk.theory.rope import catenary, elastic_catenary
 from ropeway_routes import held_by_catenaries
 
@@ -33,27 +33,32 @@ def run(line: dict[str, Any], haul: dict[str, Any], until: float, **more: Any) -
     return simulate(Scenario.model_validate({"lines": {"rope": line}, "loads": {"car": car}, "run": asked}))
 
 
-@pytest.mark.parametrize(
-    ("span", "height", "length"), [(200.0, 60.0, 210.0), (100.0, -30.0, 104.3), (100.0, 30.0, 130.0), (5.0, 3.0, 5.8)]
-)
-def test_a_rope_that_hangs_pulls_as_an_elastic_catenary(span: float, height: float, length: float) -> None:
-    rope = elastic_catenary(span=span, height=height, length=length, weight=12.0, axial_stiffness=1e7)
-    assert hang_entry(span, height, length, 12.0, 1e7, 0.0, 0.0) == pytest.approx(tuple(rope.force[0]), rel=1e-8)
-
-
 def test_a_rope_of_given_tension_is_the_taut_catenary() -> None:
     rope = catenary(span=200.0, height=60.0, length=210.0, weight=12.0)
     tension = float(np.linalg.norm(rope.end_reaction))
     assert hang_by_tension_entry(200.0, 60.0, tension, 12.0) == pytest.approx(tuple(rope.force[0]), rel=1e-8)
 
 
-def test_a_shallow_rope_is_as_stiff_as_ernst_says() -> None:
-    """1/k = L/EA + (w l)^2 L/(12 T^3) (Ernst 1965, Dischinger 1949); right to the strain, 2.4e-3, and sag^2."""
-    span, EA, w, step = 200.0, 1e7, 12.0, 1e-3
-    T = w * span / 8.0 * 80.0
-    length = brentq(lambda L: hang_entry(span, 0.0, L, w, EA, 0.0, 0.0)[0] - T, 0.99 * span, 1.01 * span, xtol=1e-13)
-    more, less = (hang_entry(span + way, 0.0, length, w, EA, 0.0, 0.0)[0] for way in (step, -step))
-    assert 2.0 * step / (more - less) == pytest.approx(span / EA + (w * span) ** 2 * span / (12.0 * T**3), rel=5e-3)
+@pytest.mark.parametrize("taut", [10.0, 40.0])  # tension over the weight of the rope
+def test_a_shallow_rope_is_as_stiff_as_ernst_says(taut: float) -> None:
+    """Pull and 1/k = L/EA + (w l)^2 L/(12 T^3) (Ernst 1965, Dischinger 1949) beside an elastic catenary.
+
+    Right to the sag, 1/80 and 1/320, and to the strain, by which L is longer than it was.
+    """
+    span, EA, w = 200.0, 1e7, 12.0
+
+    def pull(more: float) -> float:
+        rope = elastic_catenary(span=span + more, height=0.0, length=length, weight=w, axial_stiffness=EA)
+        return float(rope.force[0][0])
+
+    length = span * (1.0 + 1.0 / (24.0 * taut**2) - taut * w * span / EA)
+    T = pull(0.0)
+    soft = (w * span) ** 2 / 24.0
+    assert tension_entry(span / length - 1.0, soft, EA) == pytest.approx(T, rel=0.1 / taut)
+    compliance = 2e-3 / (pull(1e-3) - pull(-1e-3))
+    assert compliance == pytest.approx(span / EA + (w * span) ** 2 * span / (12.0 * T**3), rel=0.2 / taut + T / EA)
+    more = [tension_entry((span + way) / length - 1.0, soft, EA) for way in (-1e-3, 1e-3)]
+    assert 2e-3 / (more[1] - more[0]) == pytest.approx(compliance, rel=0.2 / taut + T / EA)
 
 
 def test_a_carriage_at_rest_is_held_by_two_catenaries() -> None:
@@ -67,14 +72,15 @@ def test_a_carriage_at_rest_is_held_by_two_catenaries() -> None:
     )  # fmt: skip
     found = summary(result)["carriages"]["car"]
     for key in ("max", "min"):  # nothing moves
+        # Its sag is that of a shallow rope: right to (w l/T)^2/24 = 4e-3 of what sags.
         assert found["pull"][key]["value"] == pytest.approx(np.linalg.norm(rope.force[0]), rel=1e-3)
         assert found["drive_tension"][key]["value"] == pytest.approx(np.linalg.norm(rope.end_reaction), rel=1e-3)
-        assert found["counter_pull"][key]["value"] == pytest.approx(np.linalg.norm(counter), rel=1e-6)
+        assert found["counter_pull"][key]["value"] == pytest.approx(np.linalg.norm(counter), rel=1e-5)
     # Ropes that sag weigh on the carriage, each with more than half of itself as it hangs below its chord.
     line = result.contact_force.values[0].sum(axis=0) - result.hold_force.values[0].sum(axis=0)
     assert -line[1] == pytest.approx(500.0 * G, rel=1e-3)
     pressed = -result.contact_force.values[0, :, 1].sum()
-    assert pressed == pytest.approx(500.0 * G - (rope.force[0] + counter)[1], rel=1e-3)
+    assert pressed == pytest.approx(500.0 * G - (rope.force[0] + counter)[1], rel=4e-3)
 
 
 def test_a_carriage_on_a_rope_that_sags_swings_as_stiff_as_that() -> None:
@@ -95,12 +101,15 @@ def test_a_carriage_on_a_rope_that_sags_swings_as_stiff_as_that() -> None:
     def force(ds: float) -> float:
         far, up = np.array([60.0, 20.0]) - middle - ds * way
         back = hang_by_tension_entry(*(middle + ds * way) * [1.0, -1.0], 3e3, 4.0 * G)
-        haul = hang_entry(far, up, float(rope.breaks[-1]), 5.0 * G, 2e6, 0.0, 0.0)
+        length = float(rope.breaks[-1])
+        haul = elastic_catenary(span=far, height=up, length=length, weight=5.0 * G, axial_stiffness=2e6).force[0]
         return float(np.array(haul) @ way + np.array([-back[0], back[1]]) @ way)
 
     stiffness = (force(-0.01) - force(0.01)) / 0.02
-    # The track gives way below the wheels, and its slope turns as they go on: 1 % of the frequency.
-    assert 2.0 * np.pi * (at.size - 1) / (at[-1] - at[0]) == pytest.approx(np.sqrt(stiffness / 500.0), rel=0.02)
+    # A third of the hauling rope swings along, and all of the counter rope. The track gives way below the wheels, and
+    # its slope turns as they go on: 1 % of the frequency.
+    mass = 500.0 + 5.0 * float(np.hypot(60.0, 20.0) * 0.5) / 3.0 + 4.0 * float(np.hypot(60.0, 20.0) * 0.5)
+    assert 2.0 * np.pi * (at.size - 1) / (at[-1] - at[0]) == pytest.approx(np.sqrt(stiffness / mass), rel=0.02)
     assert abs(summary(result)["energy"]["largest_imbalance"]["value"]) < 0.05  # J
 
 
@@ -120,15 +129,6 @@ def test_a_counter_rope_keeps_the_hauling_rope_taut_while_the_drive_brakes() -> 
     assert found["counter_pull"]["max"]["value"] == pytest.approx(4e3)
     assert found["drive_ratio"]["value"] == pytest.approx(4e3 / found["drive_tension"]["min"]["value"], rel=1e-9)
     assert found["drive_ratio"]["friction_bears"] == pytest.approx(np.exp(0.3 * np.pi))
-
-
-def test_a_drive_that_would_slip_is_doubted() -> None:
-    """The slope asks for 500 kg g sin a = 1551 N more on one side than on the other."""
-    haul = {**HAUL, "sags": False, "mass": 0.0, "counter": {"tension": 2e3}, "sheave": {"friction": 0.1, "wrap": np.pi}}
-    result = run(TRACK, haul, 0.02)
-    assert result.attrs["outcome"] == "doubtful"
-    ratio = 1.0 + 500.0 * G * np.sin(np.arctan(1.0 / 3.0)) / 2e3
-    assert f"its sides pull as {ratio:.3g} to 1, and friction bears 1.37 to 1" in result.attrs["doubts"]
 
 
 def test_two_carriages_over_a_pulley_feel_the_tension_of_their_counter_rope() -> None:
@@ -151,6 +151,8 @@ WRONG: list[tuple[dict[str, Any], str]] = [
     ({"counter": None, "sheave": {"friction": 0.2, "wrap": 3.0}}, "other side pulls with is not given"),
     ({"counter": {"tension": 2e3, "mass": 5.0}}, "no more than the rope weighs"),
     ({"speed": None, "over_to": "car"}, "does not hang freely here"),
+    ({"mass": 0.0, "sags": False, "elements": 8}, "a rope without mass has none that move with it"),
+    ({"counter": {"tension": 3e3, "axial_stiffness": 1e6}}, "a counter rope without mass draws none along"),
 ]
 
 
@@ -158,11 +160,6 @@ WRONG: list[tuple[dict[str, Any], str]] = [
 def test_ropes_that_cannot_be_are_refused(change: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         run(TRACK, HAUL | change, 0.1)
-
-
-def test_a_rope_that_sags_does_not_hang_through_a_tower() -> None:
-    with pytest.raises(ValueError, match="the line has saddles on its way"):
-        run({**TRACK, "tension": None, "length": 63.0, "saddles": {"t": {"at": [20, 8], "radius": 8}}}, HAUL, 0.1)
 
 
 def test_a_rope_that_cannot_hold_its_carriage_says_so() -> None:

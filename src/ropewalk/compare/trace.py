@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 # over nothing, and that of the link next to a support, would say nothing of the model. A string comes to that part at
 # 1.3 % of its span.
 FLOOR = 0.05
+_IN_PLANE = [0, 2]  # of x, y and z
 
 
 @dataclass(frozen=True)
@@ -113,6 +114,8 @@ def level_of(scenario: Scenario | None, result: xr.Dataset, towards: Array) -> L
     if bare is result and scenario is not None and not _begins_at_rest(scenario):  # slack and weightless: the chord
         part = {name: (xi[nodes] / max(float(xi[nodes[-1]]), 1e-300))[:, None] for name, nodes in here.items()}
         places = {n: places[n][:1] + part[n] * (places[n][-1:] - places[n][:1]) for n in names}
+    if place.shape[1] < towards.size:  # a simpler model that knows nothing of what lies aside
+        towards = towards[_IN_PLANE]
     return Level(towards, {name: xi[nodes] for name, nodes in here.items()}, places)
 
 

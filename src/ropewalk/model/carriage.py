@@ -16,6 +16,7 @@ from ropewalk.model.quantity import (
     AirDrag,
     Angle,
     AxialDamping,
+    Count,
     FrictionCoefficient,
     Inertia,
     Lengths,
@@ -53,19 +54,33 @@ class Cabin(Declaration):
 class CounterRope(Declaration):
     """A counter rope from the carriage to the other end of its line, where a weight keeps its tension.
 
-    At the carriage it pulls with its tension and `mass` * g * height; its stretch and the inertia of the weight are
-    left out.
+    At the carriage it pulls with its tension and `mass` * g * height, and its mass moves along; the inertia of the
+    weight and of the rope beyond the station is left out.
     """
 
     tension: PositiveForce = Field(description="at the station, half of the weight of a sheave that it runs around")
     mass: LinearMass = Field(default=0.0, description="per length")
+    axial_stiffness: PositiveForce | None = Field(
+        default=None, description="EA of it, by which its mass is drawn along (default: that of the hauling rope)"
+    )
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.axial_stiffness is not None and not self.mass:
+            wrong, remedy = (
+                "a counter rope without mass draws none along",
+                "give its mass, or leave axial_stiffness out",
+            )
+            finding = Finding(("axial_stiffness",), wrong, f"{self.axial_stiffness:g} N", remedy)
+            report("counter rope", [finding])
+        return self
 
 
 class DriveSheave(Declaration):
     """The sheave of the drive: the rope runs around it and back to the weight of the counter rope.
 
-    It slips where one side pulls more than e^(friction wrap) times the other (Euler, Eytelwein); that is told, and
-    doubted, but does not happen.
+    It slips where one side pulls more than e^(friction wrap) times the other (Euler, Eytelwein), and holds that ratio
+    while it does.
     """
 
     friction: FrictionCoefficient = Field(description="coefficient between rope and lining")
@@ -75,9 +90,9 @@ class DriveSheave(Declaration):
 class Haul(Declaration):
     """A hauling rope from the carriage along the line to a drive at one of its ends: an elastic rope that pulls.
 
-    Its pull is EA times the strain of what is between carriage and drive, along the track rope, on rollers; its weight
-    adds `mass` * g * height to the tension at the drive. With `sags` it hangs freely, an elastic catenary that pulls
-    the carriage down, too. Its inertia is left out.
+    It is stretched between carriage and drive along the track rope, on rollers; its `mass` moves with it, and adds
+    `mass` * g * height to the tension at the drive. With `sags` it hangs freely between the carriage, the saddles or
+    inner supports of the line and the station: it is softer by that, and weighs on the carriage.
     """
 
     to: Literal["start", "end"] = Field(default="end", description="end of the line where the drive stands")
@@ -91,15 +106,20 @@ class Haul(Declaration):
     )
     axial_stiffness: PositiveForce = Field(description="EA of the rope")
     axial_damping: AxialDamping = Field(default=0.0, description="Kelvin-Voigt c of the rope")
-    mass: LinearMass = Field(default=0.0, description="per length; its weight counts at the drive")
+    mass: LinearMass = Field(default=0.0, description="per length")
+    elements: Annotated[int, Count(1, 1000)] | None = Field(
+        default=None, description="masses that move with it, if it has `mass`: the more, the shorter its waves (4)"
+    )
     beyond: Offset = Field(default=0.0, description="length of the rope between the end of the line and the drive")
     sags: bool = Field(
-        default=False, description="whether it hangs freely to the end of the line, its counter rope as well"
+        default=False,
+        description="whether it hangs freely between carriage, towers and station, and its counter rope as well; "
+        "towers are `saddles` or `supports` of the line",
     )
     counter: CounterRope | None = Field(
         default=None, description="rope to the other end, of both carriages with over_to"
     )
-    sheave: DriveSheave | None = Field(default=None, description="of the drive, where its two sides are to be told")
+    sheave: DriveSheave | None = Field(default=None, description="of the drive, on which it may slip")
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -112,6 +132,9 @@ class Haul(Declaration):
             findings.append(Finding(("sags",), wrong, remedy=remedy))
         if self.sags and not self.mass:
             findings.append(Finding(("mass",), "a rope without weight does not sag", remedy="give its mass"))
+        if self.elements is not None and not self.mass:
+            wrong = "a rope without mass has none that move with it"
+            findings.append(Finding(("elements",), wrong, str(self.elements), "give its mass, or leave elements out"))
         if self.sheave is not None and (self.counter is None or self.over_to is not None):
             wrong = "what its other side pulls with is not given" if self.counter is None else "it turns freely there"
             findings.append(Finding(("sheave",), wrong, remedy="give counter and speed, or leave sheave out"))
@@ -233,11 +256,7 @@ def _taken_in(name: str, load: Carriage, haul: Haul, length: float, run: Any) ->
 
 
 def _hangs(name: str, haul: Haul, line: Any, gravity: float) -> Iterator[Finding]:
-    """Find ropes that would hang through a tower, and counter ropes that would hang to the ground."""
-    for key in ("saddles", "supports"):
-        if haul.sags and getattr(line, key):
-            wrong = f"the line has {key} on its way, where a hauling rope lies on rollers"
-            yield Finding(("loads", name, "haul", "sags"), wrong, remedy="leave sags out")
+    """Find counter ropes that would hang to the ground."""
     counter = haul.counter
     if counter is not None and counter.tension <= (weight := counter.mass * gravity * line.distance):
         wrong = f"no more than the rope weighs, {weight:.4g} N: it would hang deep down, or fall"

@@ -432,6 +432,10 @@ class OverheadLine(Declaration):
         if len(lengths) == 1:
             wrong, remedy = "there is no support between spans", "leave stitch_wire out, or add spans"
             yield Finding(("stitch_wire",), wrong, "1 span", remedy)
+        elif stitch.tension >= self.messenger_wire.tension:
+            remedy = f"write less than that of messenger_wire, {self.messenger_wire.tension:g} N"
+            wrong = "takes over all of the messenger's tension between its clamps"
+            yield Finding(("stitch_wire", "tension"), wrong, f"{stitch.tension:g} N", remedy)
         elif stitch.length >= min(lengths):
             remedy = f"write less than {min(lengths):g} m, the shortest span"
             wrong = "stitch wires of neighbouring supports would overlap"

@@ -47,7 +47,7 @@ class MessengerWire(OverheadWire):
 class StitchWire(OverheadWire):
     """An auxiliary wire, clamped to the messenger on both sides of each support; droppers below it hang from it.
 
-    The messenger counts with its full tension there, although the stitch wire takes over a part of it.
+    Between its clamps the messenger has so much less tension as the stitch wire has, for both pull at each clamp.
     """
 
     length: PositiveLength = Field(default=14.0, description="from clamp to clamp, half on each side of a support")

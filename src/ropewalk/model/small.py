@@ -9,7 +9,6 @@ from ropewalk.model._base import Finding
 from ropewalk.model.history import rows
 from ropewalk.model.inner_support import InnerSupport
 from ropewalk.model.line import SHORTEST, Line
-from ropewalk.model.missing import missing
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic, Linear
@@ -27,11 +26,6 @@ def check_overhead(parts: Parts) -> Iterator[Finding]:
         if isinstance(load, Pantograph) and load.on in parts.lines:
             remedy = f"name one of overhead_lines: {', '.join(parts.overhead) or 'there are none'}"
             yield Finding(("loads", name, "on"), "a pantograph runs under an overhead line", repr(load.on), remedy)
-    nonlinear = isinstance(parts.run, Dynamic) and parts.run.geometry == "nonlinear"
-    for name, line in parts.overhead.items():
-        if nonlinear and line is not None and line.radius is not None:
-            path, remedy = ("overhead_lines", name, "radius"), "write run.geometry: linearised"
-            yield missing(path, "curves", remedy=remedy, feature="nonlinear motion")
     if parts.gravity == 0.0 and parts.overhead and not isinstance(parts.run, Linear):
         yield Finding(("gravity",), "an overhead line hangs by its weight", "0 m/s^2", "leave gravity out")
 

@@ -3,6 +3,8 @@
 The wires have constant tension, so that their heights are linear in the forces on them. The contact wire is led
 through the wanted heights at droppers and supports; the forces that this takes are the pulls of the droppers, and
 together with the droppers' weights they load the messenger and the stitch wires, which hang from their supports.
+
+Along the line a stitch wire pulls at the messenger with its tension: between its clamps the messenger has so much less.
 """
 
 from __future__ import annotations
@@ -21,7 +23,6 @@ from ropewalk.wires.plan import Array, Hold, PointMass, Spot, WirePlan, WireTie
 from ropewalk.wires.rest import moving, rest_of, restrained_shape, rows, vertical_stiffness
 
 _MOST_ROUNDS = 50
-_SOFT = 1.0  # N/m
 _CLOSE = 1e-10  # m, of dropper lengths from round to round, where their weight follows from their length
 
 
@@ -148,7 +149,7 @@ def form_by_lengths(task: FormFindingTask, lengths: Array) -> Form:
     )
     own = slice(len(task.plan.holds), len(task.plan.holds) + len(fast))
     for _ in range(_MOST_ROUNDS):
-        holds = (*task.plan.holds, *fast, *soft_holds(task.links, turned))
+        holds = (*task.plan.holds, *fast)
         mesh = mesh_of(replace(task.plan, masses=masses, ties=(*droppers, *links), holds=holds), task.element)
         rest, before = rest_of(mesh), turned
         links = _links(task, mesh, rest.position[2])
@@ -158,14 +159,6 @@ def form_by_lengths(task: FormFindingTask, lengths: Array) -> Form:
         if np.abs(turned - before).max(initial=0.0) <= _CLOSE:
             break
     return form
-
-
-def soft_holds(links: tuple[StitchEnd, ...], heights: Array) -> tuple[Hold, ...]:
-    """Springs to the ground at the ends of stitch wires, as soft as nothing: their rest is sought from these alone."""
-    return tuple(
-        Hold(f"{link.name}.soft", link.low, (0.0, 0.0, _SOFT), place=(0.0, 0.0, float(height)))
-        for link, height in zip(links, heights, strict=True)
-    )
 
 
 def _shape(mesh: Mesh, task: FormFindingTask, places: Places, heights: Array, load: Array) -> tuple[Array, Array]:
@@ -196,14 +189,17 @@ def _links(task: FormFindingTask, mesh: Mesh, z: Array) -> tuple[WireTie, ...]:
     if not task.links:
         return ()
     A, _ = _geometric(mesh, task.links)
-    ends = [clamped_at(mesh.strands, spots).local for spots in _ends(task.links)]
     found = []
-    for link, rise, local in zip(task.links, A @ z, ends[0] + ends[1], strict=True):
+    for link, rise in zip(task.links, A @ z, strict=True):
         reach = float(np.hypot(link.along, rise))
         pull = link.tension * reach / abs(link.along)
-        length = reach - pull * (1.0 / link.stiffness + local)
-        found.append(WireTie(link.name, link.low, link.high, link.stiffness, length, link.stiffness))
+        found.append(pulling(link.name, link.low, link.high, link.stiffness, reach, pull))
     return tuple(found)
+
+
+def pulling(name: str, low: Spot, high: Spot, stiffness: float, reach: float, pull: float) -> WireTie:
+    """A link of a stitch wire of a stiffness in N/m that is `reach` in m long where it pulls with a force in N."""
+    return WireTie(name, low, high, stiffness, reach - pull / stiffness, stiffness, lengthwise=True)
 
 
 def _ends(things: tuple[Hanger, ...] | tuple[StitchEnd, ...]) -> tuple[list[Spot], list[Spot]]:

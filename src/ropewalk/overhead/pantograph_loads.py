@@ -17,7 +17,8 @@ from ropewalk.errors import RopewalkError
 from ropewalk.model.head import HeadRotation
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.pantographs import mean_force
-from ropewalk.overhead.section import CONTACT, Section, elasticity
+from ropewalk.overhead.plan_view import CONTACT
+from ropewalk.overhead.section import Section, elasticity
 from ropewalk.wires.mesh import Mesh, places_of
 from ropewalk.wires.plan import Array, Contact, Spot, TravellingLoad, nothing
 from ropewalk.wires.rest import WiresAtRest, rows

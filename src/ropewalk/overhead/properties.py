@@ -22,7 +22,8 @@ from ropewalk.errors import EquilibriumError
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.scenario import Scenario
 from ropewalk.overhead.lateral import blown_off, on_the_strip, radial_forces
-from ropewalk.overhead.section import CONTACT, MESSENGER, Section, elasticity, section_of
+from ropewalk.overhead.plan_view import CONTACT, MESSENGER
+from ropewalk.overhead.section import Section, elasticity, section_of
 from ropewalk.wires.plan import Array, Wire
 
 STATIONS = 25  # along a span

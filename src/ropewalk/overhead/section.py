@@ -27,17 +27,16 @@ from ropewalk.overhead.forming import (
     StitchEnd,
     form_by_heights,
     form_by_lengths,
-    soft_holds,
 )
 from ropewalk.overhead.lateral import radial_forces
+from ropewalk.overhead.plan_view import CONTACT, MESSENGER, PlanView, plan_view_of
 from ropewalk.wires.mesh import Mesh, clamped_at, mesh_of
-from ropewalk.wires.plan import Array, EndKind, Hold, PointMass, Spot, Wire, WirePlan, WireTie
+from ropewalk.wires.plan import Array, EndKind, Hold, PointMass, Relief, Spot, Wire, WirePlan, WireTie
 from ropewalk.wires.rest import WiresAtRest, rest_of, rows
 
 _Pair = tuple[float, float]
 
-CONTACT, MESSENGER = 0, 1
-_SOFT_LINK = 200e3  # N/m, at most, of the last piece of a stitch wire: so its tension hardly changes as it turns
+_SOFT_LINK = 200e3  # N/m, at most, of the last piece of a stitch wire in small motion: turning hardly changes its pull
 _NO_KINK = 1e-9
 _STEEPEST = 1.0  # of a steady arm, rise over run: one that is steeper holds the wire up rather than aside
 
@@ -51,6 +50,7 @@ class Section:
     element: float  # m
     supports: Array  # (span + 1,) m, stations of all supports with both ends
     analysed: tuple[float, float]  # m, stations between which statistics are made
+    view: PlanView
     droppers: dict[str, int] = field(default_factory=dict)  # their ties
     lengths: Array = field(default_factory=lambda: np.zeros(0))  # (dropper,) m, unstrained, in space
     stations: Array = field(default_factory=lambda: np.zeros(0))  # (dropper,) m
@@ -58,11 +58,6 @@ class Section:
     slack: tuple[str, ...] = ()  # droppers that are slack at rest
     arms: dict[str, int] = field(default_factory=dict)  # ties of steady arms with stagger
     holds: dict[str, int] = field(default_factory=dict)  # of the messenger's supports and level steady arms
-    side: float = 0.0  # m, y of the line
-    stagger: Array = field(
-        default_factory=lambda: np.zeros(0)
-    )  # (span + 1,) m, how far aside the contact wire is at supports
-    straight_messenger: bool = False  # whether the messenger does not go aside with it
     registered: Array = field(default_factory=lambda: np.zeros(0))  # (span + 1,) m over the level, at supports
 
     @property
@@ -90,20 +85,9 @@ class Section:
         """Its rest on that mesh."""
         return rest_of(self.mesh())
 
-    @property
-    def near(self) -> Array:
-        """About where its wires rest in space, (3, node) m: its rest without going aside, put aside."""
-        mesh, position = self.mesh(), self.rest.position.copy()
-        for i in range(len(self.plan.wires)):
-            part = mesh.of(i)
-            position[1, part] = self.aside(position[0, part] - position[0, part][0], i)
-        return position
-
     def aside(self, station: Array, wire: int = CONTACT) -> Array:
-        """Where a wire runs in plan view, y in m at stations in m."""
-        if wire != CONTACT and self.straight_messenger:
-            return np.full_like(station, self.side)
-        return self.side + np.interp(station, self.supports, self.stagger)
+        """Where a wire runs in plan view, y in m at stations of it in m."""
+        return self.view.aside(wire, self.view.station(wire, station))
 
 
 def section_of(name: str, line: OverheadLine, gravity: float = 9.81) -> Section:
@@ -112,9 +96,8 @@ def section_of(name: str, line: OverheadLine, gravity: float = 9.81) -> Section:
     Raises:
         EquilibriumError: it cannot rest as wanted, or not with the given lengths.
     """
-    supports = np.array(stations_of(line))
-    stagger = np.zeros(supports.size) if line.staggers is None else np.array(line.staggers)
-    task = _task(name, line, gravity, supports, stagger)
+    supports, view = np.array(stations_of(line)), plan_view_of(line)
+    task = _task(name, line, gravity, supports, view)
     given = line.dropper_lengths
     try:
         if given is None:
@@ -123,46 +106,14 @@ def section_of(name: str, line: OverheadLine, gravity: float = 9.81) -> Section:
             form = form_by_lengths(task, np.array([length for row in given for length in row]))
     except EquilibriumError as error:
         raise EquilibriumError(f"overhead line {name}: {error}") from None
-    fitted = _finished(name, line, task, form, supports, stagger)
+    fitted = _finished(name, line, task, form, supports, view)
     return fitted if line.condition is None else _changed(name, line, fitted)
-
-
-def in_space(section: Section, line: OverheadLine) -> Section:
-    """The same line where its wires run in plan view, for motion that goes sideways, too.
-
-    Steady arms have their own stiffness then, and droppers that lean their own length.
-    """
-    plan, arms = section.plan, line.steady_arms
-    give = arms.length / arms.axial_stiffness
-
-    def y(spot: Spot) -> float:
-        return float(section.aside(np.array([spot.station]), min(spot.wire, MESSENGER))[0])
-
-    ties = list(plan.ties)
-    for number, length in zip(section.droppers.values(), section.lengths, strict=True):
-        ties[number] = replace(ties[number], length=float(length))
-    for number in section.arms.values():
-        arm = ties[number]
-        assert not isinstance(arm.other, Spot)
-        x, aside, z = arm.other
-        ties[number] = replace(
-            arm, other=(x, aside + y(arm.spot), z), length=arms.length, stiffness=1.0 / give, pushes=1.0 / give
-        )
-    holds = (replace(hold, place=(hold.place[0], y(hold.spot), hold.place[2])) for hold in plan.holds)
-    wires = (
-        replace(
-            wire, start=(wire.start[0], y(Spot(i, 0.0)), wire.start[2]),
-            end=(wire.end[0], y(Spot(i, wire.length)), wire.end[2]),
-        )
-        for i, wire in enumerate(plan.wires)
-    )  # fmt: skip
-    return replace(section, plan=replace(plan, wires=tuple(wires), ties=tuple(ties), holds=tuple(holds)))
 
 
 def joined(sections: Sequence[Section]) -> tuple[WirePlan, list[int]]:
     """Put sections into one plan; list the number of the first wire of each, which its own wires are counted from."""
     wires: tuple[Wire, ...] = ()
-    plan, offsets = replace(sections[0].plan, wires=(), ties=(), holds=(), masses=(), watched={}), []
+    plan, offsets = replace(sections[0].plan, wires=(), ties=(), holds=(), masses=(), reliefs=(), watched={}), []
     for section in sections:
         n, part = len(wires), section.plan
 
@@ -178,6 +129,7 @@ def joined(sections: Sequence[Section]) -> tuple[WirePlan, list[int]]:
             ties=(*plan.ties, *ties),
             holds=(*plan.holds, *(replace(hold, spot=moved(hold.spot)) for hold in part.holds)),
             masses=(*plan.masses, *(replace(lump, spot=moved(lump.spot)) for lump in part.masses)),
+            reliefs=(*plan.reliefs, *(replace(r, start=moved(r.start), end=moved(r.end)) for r in part.reliefs)),
             watched=plan.watched | {key: moved(spot) for key, spot in part.watched.items()},
         )
         offsets.append(n)
@@ -220,7 +172,7 @@ def elasticity(
     return stations, found
 
 
-def _task(name: str, line: OverheadLine, gravity: float, supports: Array, stagger: Array) -> FormFindingTask:
+def _task(name: str, line: OverheadLine, gravity: float, supports: Array, view: PlanView) -> FormFindingTask:
     """What is wanted, in terms of wires."""
     z0, end = line.start[-1], float(supports[-1])
     kind: EndKind = "free" if line.ends == "weights" else "pinned"
@@ -236,6 +188,7 @@ def _task(name: str, line: OverheadLine, gravity: float, supports: Array, stagge
     ]
     weighted = [hold for i, wire in enumerate(wires) if kind == "free" for hold in _tensioned(i, wire)]
     inner, links, masses = [float(s) for s in supports[1:-1]], [], []
+    reliefs: list[Relief] = []
     stitch, reach = line.stitch_wire, 0.0
     if stitch is not None:
         reach = 0.5 * stitch.length - line.element
@@ -247,7 +200,8 @@ def _task(name: str, line: OverheadLine, gravity: float, supports: Array, stagge
                 clamp = Spot(MESSENGER, s - reach + station + along)
                 low = Spot(len(wires) - 1, station)
                 links.append(StitchEnd(f"{own}.{side}", low, clamp, stitch.tension, along, stiffness))
-                masses.append(PointMass(clamp, stitch.clamp))
+                masses.append(PointMass(clamp, stitch.clamp + stitch.mass * line.element))  # the last piece's, too
+            reliefs.append(Relief(links[-2].high, links[-1].high, stitch.tension))
     hangers, cut = [], line.droppers.cut
     for span, (places, sags) in enumerate(zip(line.dropper_places, line.sags, strict=True)):
         for i, (place, sag) in enumerate(zip(places, sags, strict=True), start=1):
@@ -257,8 +211,8 @@ def _task(name: str, line: OverheadLine, gravity: float, supports: Array, stagge
             for number in (span - 1, span) if stitch is not None else ():
                 if 0 <= number < len(inner) and abs(x - inner[number]) < reach:
                     high = Spot(2 + number, x - inner[number] + reach)
-            straight = line.messenger_supports.stagger == "straight"
-            aside = -float(np.interp(x, supports, stagger)) if straight else 0.0
+            at = np.array([x])
+            aside = float((view.aside(high.wire, at) + view.inside(high.wire, at) - view.aside(CONTACT, at))[0])
             fails = cut.time if cut is not None and (span + 1, i) in cut.droppers else math.inf
             hangers.append(Hanger(f"{name}.{span + 1}.{i}", Spot(CONTACT, x), high, height, aside, fails))
     arms = line.steady_arms
@@ -278,7 +232,9 @@ def _task(name: str, line: OverheadLine, gravity: float, supports: Array, stagge
     more = gravity * (arms.hanging_mass - arms.moving_mass)
     weights = [Hold(f"{name}.arm.{i}.weight", Spot(CONTACT, s), (0.0, 0.0, 0.0), force=(0.0, 0.0, -more))
                for i, s in enumerate(inner, start=1) if more]  # fmt: skip
-    plan = WirePlan(tuple(wires), holds=(*weighted, *weights), masses=tuple(masses), gravity=gravity)
+    plan = WirePlan(
+        tuple(wires), holds=(*weighted, *weights), masses=tuple(masses), reliefs=tuple(reliefs), gravity=gravity
+    )
     return FormFindingTask(plan, line.element, tuple(hangers), dropper, tuple(links), tuple(levels), hints)
 
 
@@ -310,7 +266,7 @@ def _level_length(length: float, rise: float) -> float:
 
 
 def _finished(
-    name: str, line: OverheadLine, task: FormFindingTask, form: Form, supports: Array, stagger: Array
+    name: str, line: OverheadLine, task: FormFindingTask, form: Form, supports: Array, view: PlanView
 ) -> Section:
     """Hold the line by what holds it in fact, with the forces that it takes."""
     inner = supports[1:-1]
@@ -331,15 +287,14 @@ def _finished(
     if not arms and not line.steady_arms.free:
         for i, spot in enumerate(spots):
             own.append(Hold(f"{name}.arm.{i + 1}", spot, (0.0, 0.0, 0.0), force=(0.0, 0.0, float(lift[i]))))
-    ends = soft_holds(task.links, form.heights([link.low for link in task.links]))
     plan = replace(
-        task.plan, ties=(*form.ties, *arms), holds=(*task.plan.holds, *own, *ends), masses=form.masses,
+        task.plan, ties=(*form.ties, *arms), holds=(*task.plan.holds, *own), masses=form.masses,
         watched={f"{name}.support.{i}": spot for i, spot in enumerate(spots, start=1)},
     )  # fmt: skip
     first, last = line.analysed
     hangers = task.hangers
     return Section(
-        name, plan, line.element, supports, (float(supports[first - 1]), float(supports[last])),
+        name, plan, line.element, supports, (float(supports[first - 1]), float(supports[last])), view,
         droppers={hanger.name: i for i, hanger in enumerate(hangers)},
         lengths=form.lengths,
         stations=np.array([hanger.low.station for hanger in hangers]),
@@ -347,9 +302,6 @@ def _finished(
         slack=tuple(hanger.name for hanger, pull in zip(hangers, form.pull, strict=True) if pull <= 0.0),
         arms={arm.name: len(form.ties) + i for i, arm in enumerate(arms)},
         holds={hold.name: len(task.plan.holds) + i for i, hold in enumerate(own)},
-        side=line.start[1] if len(line.start) == 3 else 0.0,
-        stagger=stagger,
-        straight_messenger=line.messenger_supports.stagger == "straight",
         registered=np.array(line.registered),
     )  # fmt: skip
 

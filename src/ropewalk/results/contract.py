@@ -28,6 +28,7 @@ CONVENTIONS = "ropewalk-result-1"
 SIDES = ("behind", "ahead")
 CORNERS = ("first", "second", "third")
 DIRECTIONS = ("first", "second")
+ROPE_ENDS = ("carriage", "drive", "counter", "beyond_drive")
 CHECKPOINT = "checkpoint"  # variable of a result file that is no part of the result: see slots.py
 LACKING = "not_resumable"  # attribute of a result file that has none: why
 CURVATURE = "curvature"
@@ -87,6 +88,10 @@ VARIABLES: Mapping[str, ResultVariable] = {
     "sampled_uplift": ResultVariable(
         ("sample", "watched"), "m", "height over rest of the watched point, between outputs"
     ),
+    "haul_tension": ResultVariable(
+        ("hauled", "rope_end"), "N", "tension in the ropes that haul the carriage, at the end of the rope"
+    ),
+    "haul_slip": ResultVariable(("hauled",), "m", "length of the hauling rope that has slipped out over its drive"),
     "cell_tension": ResultVariable(
         ("cell", "direction"),
         "N/m",
@@ -125,6 +130,10 @@ COORDINATES: Mapping[str, ResultVariable] = {
     "sample": ResultVariable(("sample",), "s", "time of the sample after the output instant (negative: before it)"),
     "foreign": ResultVariable(("foreign",), "1", "load that is an external model"),
     "compared": ResultVariable(("compared",), "1", "load of the contact that is compared with that on a coarser mesh"),
+    "hauled": ResultVariable(("hauled",), "1", "carriage that a rope hauls"),
+    "rope_end": ResultVariable(
+        ("rope_end",), "1", "end of a rope: at the carriage, at the drive, of the counter rope, beyond the drive"
+    ),
     "corner": ResultVariable(("corner",), "1", "corner of a cell"),
     "direction": ResultVariable(("direction",), "1", "direction of a tension in a cell"),
     "cell_net": ResultVariable(("cell",), "1", "net or membrane of the cell"),
@@ -134,7 +143,7 @@ COORDINATES: Mapping[str, ResultVariable] = {
 NUMBERS = ("cell_node",)
 """Coordinates without a unit that are numbers, where all others are names."""
 
-OPTIONAL = ("tie", "watched", "sample", "foreign", "compared", "cell", "corner", "direction")
+OPTIONAL = ("tie", "watched", "sample", "foreign", "compared", "cell", "corner", "direction", "hauled", "rope_end")
 """Dimensions that only some results have: what needs them is left out of the others."""
 
 
@@ -158,6 +167,8 @@ def coordinate_values(layout: Layout) -> dict[str, NDArray[Any]]:
         "watched": layout.watched,
         "foreign": layout.external,
         "compared": layout.compared,
+        "hauled": layout.hauled,
+        "rope_end": ROPE_ENDS if layout.hauled else (),
         "corner": CORNERS if layout.cell else (),
         "direction": DIRECTIONS if layout.cell else (),
         "cell_net": layout.cell_net,
@@ -188,6 +199,8 @@ def sizes(layout: Layout) -> dict[str, int]:
         "foreign": len(layout.external),
         "compared": len(layout.compared),
         "cell": len(layout.cell),
+        "hauled": len(layout.hauled),
+        "rope_end": len(ROPE_ENDS) if layout.hauled else 0,
         "corner": len(CORNERS) if layout.cell else 0,
         "direction": len(DIRECTIONS) if layout.cell else 0,
     }

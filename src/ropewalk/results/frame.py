@@ -56,6 +56,7 @@ class Layout:
     sample: tuple[float, ...] = ()  # s, offsets of samples from the output instant: before it, or zero
     external: tuple[str, ...] = ()  # loads that are external models
     compared: tuple[str, ...] = ()  # load of each contact, where they are compared with those on a coarser mesh
+    hauled: tuple[str, ...] = ()  # carriages that ropes haul
     cell: tuple[tuple[int, int, int], ...] = ()  # nodes of each triangle of nets and membranes
     cell_net: tuple[str, ...] = ()  # net of each triangle
     path: str = "time"  # leading dimension: "time" (s) or "load_path" (m)
@@ -92,6 +93,8 @@ class Frame:
     sampled_height: Array | None = None  # (sample, contact) m
     sampled_tie_force: Array | None = None  # (sample, tie) N
     sampled_uplift: Array | None = None  # (sample, watched) m
+    haul_tension: Array | None = None  # (hauled, rope_end) N
+    haul_slip: Array | None = None  # (hauled,) m
     cell_tension: Array | None = None  # (cell, direction) N/m
     contact_change: Array | None = None  # (compared, axis) m, from the mesh with half the elements to this one
     exchange_work: Array | None = None  # (foreign,) J, that has gone through the interface

@@ -11,7 +11,7 @@ from ropewalk.results.contact_statistics import contacts_by_load, scenario_of
 from ropewalk.results.contract import path_name
 from ropewalk.results.frame import Array
 from ropewalk.results.ground import heights
-from ropewalk.results.hauling import hauling
+from ropewalk.results.hauling import Hauling
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,7 +32,8 @@ def ropeway_summary(dataset: xr.Dataset) -> dict[str, Any]:
     the force of all wheels of it together; `sway` and `side_sway`, the largest angles of the hanger from the vertical
     along the line and to the side, rad; `pull` of its hauling rope at the carriage and `drive_tension` at the drive,
     and `counter_pull` of its counter rope at the carriage, largest and least, N; `drive_ratio`, the largest ratio of
-    the tensions on both sides of the sheave of the drive, and what friction bears there (Euler, Eytelwein). For each
+    the tensions on both sides of the sheave of the drive, and what friction bears there (Euler, Eytelwein); `slip`,
+    the largest and the least length of rope that has slipped out over it, m. For each
     saddle: `deflection`, the largest and the least angle by which the rope turns over it, rad, 0 where it has lifted.
     `clearance`: the least height over the ground of `outputs.ground` of lines and of floors of cabins, m.
 
@@ -68,8 +69,8 @@ def courses(dataset: xr.Dataset) -> dict[str, dict[str, tuple[Array, str]]]:
     """What carriages go through, over the output instants, with units: (instant,), of wheel loads (instant, wheel).
 
     `wheel_load` across the rope, `sway` and `side_sway` of the hanger, `pull` and `counter_pull` of its ropes at the
-    carriage, `drive_tension` at the drive and `drive_ratio` over its sheave, as `ropeway_summary` has them; those
-    that a carriage has.
+    carriage, `drive_tension` at the drive, `drive_ratio` and `slip` over its sheave, as `ropeway_summary` has them;
+    those that a carriage has.
     """
     if (scenario := scenario_of(dataset)) is None:
         return {}
@@ -85,16 +86,15 @@ def _course(dataset: xr.Dataset, scenario: Scenario, name: str, load: Carriage) 
         found["sway"] = np.arctan2(hanger[:, 0], -hanger[:, -1]), "rad"
         if hanger.shape[1] == 3:
             found["side_sway"] = np.arctan2(hanger[:, 1], -hanger[:, 2]), "rad"
-    if (haul := _haul_of(scenario, name)) is not None:
-        force = dataset["hold_force"].values[:, wheels].sum(axis=1)
-        line = dataset["position"].values[:, dataset["line"].values == load.on]
-        place = dataset["contact_position"].values[:, wheels].mean(axis=1)
-        ropes = hauling(haul, scenario.gravity, force, place, line)
+    hauled = "hauled" in dataset.variables  # results of before it was written have not
+    if (haul := _haul_of(scenario, name)) is not None and hauled:
+        row = dataset["hauled"].values.tolist().index(name)
+        ropes = Hauling.of(dataset["haul_tension"].values[:, row])
         found |= {"pull": (ropes.pull, "N"), "drive_tension": (ropes.drive, "N")}
         if haul.counter is not None:
             found["counter_pull"] = ropes.counter, "N"
         if haul.sheave is not None:
-            found["drive_ratio"] = ropes.ratio, "1"
+            found |= {"drive_ratio": (ropes.ratio, "1"), "slip": (dataset["haul_slip"].values[:, row], "m")}
     return found
 
 
@@ -117,10 +117,11 @@ def _carriage(dataset: xr.Dataset, scenario: Scenario, name: str, load: Carriage
         if key in course:
             found[key] = _both(*course[key], dataset)
     haul = _haul_of(scenario, name)
-    if haul is not None and haul.sheave is not None:
+    if haul is not None and haul.sheave is not None and "slip" in course:
         friction = float(np.exp(haul.sheave.friction * haul.sheave.wrap))
         sides = _both(*course["drive_ratio"], dataset)
         found["drive_ratio"] = None if sides is None else sides["max"] | {"friction_bears": friction}
+        found["slip"] = _both(*course["slip"], dataset)
     return found
 
 

@@ -428,9 +428,9 @@ def _carriage_rows(name: str, carriage: Summary, say: Column) -> Iterator[Row]:
         yield "least tension over wheel load", number(least["value"], 3), where
     if (least := carriage["transverse_ratio"]) is not None:
         yield "least tension over transverse force", number(least["value"], 3), "  ".join(_when(least))
-    for key, what in (("sway", "sway along the line"), ("side_sway", "sway to the side")):
+    for key, what in (("sway", "sway along the line"), ("side_sway", "sway to the side"), ("slip", "slip of the rope")):
         if (entry := carriage.get(key)) is not None:
-            yield what, say.span(entry["min"]["value"], entry["max"]["value"], "rad"), ""
+            yield what, say.span(entry["min"]["value"], entry["max"]["value"], entry["unit"]), ""
     pulls = {"pull": "pull of the hauling rope", "drive_tension": "tension at the drive"}
     for key, what in {**pulls, "counter_pull": "pull of the counter rope"}.items():
         if (entry := carriage.get(key)) is not None:

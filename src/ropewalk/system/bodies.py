@@ -19,6 +19,7 @@ from ropewalk.mechanics.moving_contact import look_up
 from ropewalk.mechanics.multibody_system import FIRM
 from ropewalk.system.carriages import Carriages, add_bar_forces, roll, taken_by_bars
 from ropewalk.system.contacts import AWAY, FORCE, FREE, GONE, ON, find_kinks, stiffen
+from ropewalk.system.hauling_ropes import drift_ropes, kick_ropes
 from ropewalk.system.profile import height_at
 from ropewalk.system.spline import WIDTH
 from ropewalk.system.structure import DRIVEN, IN_BODIES, LOADED, RESTRAINED, STRUCK
@@ -234,6 +235,7 @@ def kick(structure, contacts, bodies, state, h, half):
             state.work[DRIVEN] -= winch
     if roll(bodies.carriages):
         state.work[IN_BODIES] += h * taken_by_bars(bodies.carriages, w, old, state.r.shape[0])
+        kick_ropes(bodies.carriages, h)
     _push_by_wind(structure.wind, bodies, state, h)
     for i in range(bodies.gone.size):
         if bodies.gone[i] == LEAVES:
@@ -453,7 +455,9 @@ def lead(contacts, tables, bodies, state, h):
 
 @inlined
 def drift(bodies, state, h):
-    """Move all bodies for the time h, but those of loads that are gone."""
+    """Move all bodies for the time h, but those of loads that are gone, and hauling ropes."""
     for c in range(state.u.size):
         if bodies.per_mass[c] > 0.0 and bodies.gone[bodies.load[c]] == STAYS:
             state.u[c] += h * state.w[c]
+    if roll(bodies.carriages):
+        drift_ropes(bodies.carriages, h)

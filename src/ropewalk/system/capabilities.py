@@ -70,6 +70,9 @@ def _overhead(parts: Parts) -> Iterator[Finding]:
         if line.stitch_wire is not None:
             remedy = "write run.geometry: linearised, or leave stitch_wire out"
             yield missing(("overhead_lines", name, "stitch_wire"), what, remedy=remedy)
+        if line.radius is not None:
+            remedy = "write run.geometry: linearised, or leave radius out"
+            yield missing(("overhead_lines", name, "radius"), what, remedy=remedy)
         for key in ("strength", "cut"):
             if getattr(line.droppers, key) is not None:
                 yield missing(("overhead_lines", name, "droppers", key), what, remedy=f"leave {key} out")

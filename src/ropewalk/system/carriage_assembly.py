@@ -13,11 +13,13 @@ from ropewalk.mechanics.loading import Loading
 from ropewalk.mechanics.multibody_system import STRETCH
 from ropewalk.mechanics.travelled import Travelled
 from ropewalk.model.carriage import Carriage, Haul
+from ropewalk.model.line import Line
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.trolley import Trolley
 from ropewalk.system.bodies import BodyArrays
-from ropewalk.system.carriages import BAR, HAUL, Carriages
+from ropewalk.system.carriages import BAR, Carriages
+from ropewalk.system.hauling_ropes import HAUL, PART
 
 # Acceleration in m/s^2 with which the weight of a carriage stretches its bars by STRETCH, also where gravity is 0.
 _G = 9.81
@@ -25,6 +27,10 @@ _G = 9.81
 _RATIO = 0.05
 # Instants at which is looked how far ropes are taken in, and the least part of a hauling rope that is left.
 _INSTANTS, _LEAST = 1001, 1e-3
+# Masses of a hauling rope: with 4 a third of it swings along to 1.6 %.
+_USUAL = 4
+# Part of its way to a station that is left, at least, of a carriage that another one draws: about.
+_QUARTER = 0.25
 
 
 def with_carriages(
@@ -41,6 +47,7 @@ def with_carriages(
     """
     bodies = _with_hoists(scenario, loading, bodies)
     bars, points, hauls = list[dict[str, Any]](), list[int](), list[dict[str, Any]]()
+    parts, towers = list[dict[str, Any]](), list[tuple[float, float]]()
     on = {name: [k for k, wheel in enumerate(loading.wheels) if wheel.load == name] for name in scenario.loads}
     for name, load in scenario.loads.items():
         if not isinstance(load, Carriage):
@@ -55,21 +62,60 @@ def with_carriages(
             own = {"frame": len(bars) - 1, "turning": load.cabin.damping}
             bars.append(_bar(points, wheels, [places + body.coordinates[0]], load.cabin.hanger, k, c) | own)
         if load.haul is not None:
-            haul, other = load.haul, on.get(load.haul.over_to or "", [-1])
-            hauls.append({
-                "first": on[name][0], "wheels": load.count, "other": other[0], "others": len(other),
-                "to": 1 if haul.to == "end" else -1, "stiffness": haul.axial_stiffness, "damping": haul.axial_damping,
-                "beyond": haul.beyond, "driven": int(haul.over_to is None), "length": shortest(scenario, load, haul),
-                "hangs": int(haul.sags), "weight": haul.mass * scenario.gravity,
-                "counter": haul.counter.tension if haul.counter is not None else 0.0,
-                "counter_weight": haul.counter.mass * scenario.gravity if haul.counter is not None else 0.0,
-            })  # fmt: skip
+            other = on.get(load.haul.over_to or "", [-1])
+            own = {"first": on[name][0], "wheels": load.count, "other": other[0], "others": len(other)}
+            hauls.append(own | _hauling_rope(scenario, load, load.haul, parts, towers))
         _note_mobility(contacts, bodies, on[name], wheels)
     if not bars:
         return bodies
     return bodies._replace(
-        carriages=Carriages(filled_records(BAR, bars), np.array(points, dtype=np.int64), filled_records(HAUL, hauls))
-    )
+        carriages=Carriages(
+            filled_records(BAR, bars), np.array(points, dtype=np.int64), filled_records(HAUL, hauls),
+            filled_records(PART, parts), np.array(towers).reshape(-1, 2),
+        )
+    )  # fmt: skip
+
+
+def _hauling_rope(
+    scenario: Scenario, load: Carriage, haul: Haul, parts: list[dict[str, Any]], towers: list[tuple[float, float]]
+) -> dict[str, Any]:  # fmt: skip
+    """A hauling rope as a record; its parts and towers are added to those of others."""
+    masses, g, counter = (haul.elements or _USUAL) if haul.mass else 0, scenario.gravity, haul.counter
+    on_way = _towers(scenario.lines[load.on], haul) if haul.sags else []
+    found = {
+        "to": 1 if haul.to == "end" else -1, "stiffness": haul.axial_stiffness, "damping": haul.axial_damping,
+        "mass": haul.mass, "weight": haul.mass * g, "beyond": haul.beyond, "driven": int(haul.over_to is None),
+        "length": shortest(scenario, load, haul), "hangs": int(haul.sags), "part": len(parts), "masses": masses,
+        "tower": len(towers), "towers": len(on_way),
+    }  # fmt: skip
+    if counter is not None:
+        found |= {"counter": counter.tension, "counter_weight": counter.mass * g, "counter_mass": counter.mass}
+        found |= {"counter_stiffness": counter.axial_stiffness or haul.axial_stiffness}
+        found |= {"counter_place": nearest(scenario, load, haul)}
+    if haul.sheave is not None:
+        found |= {"bears": float(np.exp(haul.sheave.friction * haul.sheave.wrap))}
+    parts += [{}] * (masses + 1)
+    towers += on_way
+    return found
+
+
+def _towers(line: Line, haul: Haul) -> list[tuple[float, float]]:
+    """Where a hauling rope lies on rollers, from the drive on: along the rope, and level from the end of the line, m.
+
+    Crowns of saddles, and inner supports where they hold the line, joined by straight ways.
+    """
+    start, end, length = np.array(line.start), np.array(line.end), line.length or line.distance
+    places = [np.array(saddle.at) for saddle in line.saddles.values()]
+    for support in line.supports.values():
+        straight = start + (end - start) * support.at / length
+        places.append(straight if support.position is None else np.array(support.position))
+    places = sorted([start, *places, end], key=lambda at: float((at - start)[:-1] @ (end - start)[:-1]))
+    if haul.to == "end":
+        places.reverse()
+    ways = np.diff(places, axis=0)
+    along = haul.beyond + np.cumsum(np.linalg.norm(ways, axis=1))
+    level = np.cumsum(np.linalg.norm(ways[:, :-1], axis=1))
+    return list(zip(along[:-1].tolist(), level[:-1].tolist(), strict=True))
 
 
 def shortest(scenario: Scenario, load: Carriage, haul: Haul) -> float:
@@ -85,9 +131,19 @@ def shortest(scenario: Scenario, load: Carriage, haul: Haul) -> float:
     return max(there - _most(gone, until), _LEAST * there)
 
 
-def _most(taken_in: Travelled, until: float) -> float:
-    """The most that is taken in of a rope until a time in s, m."""
-    return float(taken_in.at(np.linspace(0.0, until, _INSTANTS)).max())
+def nearest(scenario: Scenario, load: Carriage, haul: Haul) -> float:
+    """How near in m a carriage will come to the station of its counter rope, about."""
+    line = scenario.lines[load.on]
+    there = (line.length or line.distance) - _ahead(scenario, load, haul)
+    if haul.over_to is not None or not isinstance(scenario.run, Dynamic):
+        return _QUARTER * there
+    back = _most(Travelled(*speed_table(haul.speed, scenario.run.until)), scenario.run.until, -1.0)
+    return max(there - back, _LEAST * there)
+
+
+def _most(taken_in: Travelled, until: float, sign: float = 1.0) -> float:
+    """The most that is taken in of a rope, or let out if the sign is -1, until a time in s, m."""
+    return float((sign * taken_in.at(np.linspace(0.0, until, _INSTANTS))).max())
 
 
 def _ahead(scenario: Scenario, load: Carriage, haul: Haul) -> float:

@@ -1,4 +1,4 @@
-"""Carriages: wheels on rockers, a cabin on its hanger, a hauling rope.
+"""Carriages: wheels on rockers, a cabin on its hanger, and what hauls them.
 
 A rocker bears two others, or two wheels, at its ends and turns about its middle. So the middle of every rocker is the
 mean of the wheels below it, whatever way it has turned: forces there are shared alike by these wheels, and masses of
@@ -6,10 +6,8 @@ rockers are quadratic forms of velocities of wheels. What is left is that rocker
 
     T = k (l - L) + c l',   l: length of the span between the means of two sets of particles.
 
-A damper between a hanger and the main rocker acts with the moment c (w - w'), w: angular velocities of both. A hauling
-rope pulls at all wheels alike, along the line: T = EA e + c e', e: strain of what is between carriage and drive. Where
-it hangs freely it pulls as an elastic catenary does, with e = T/EA at the carriage. A counter rope, whose tension a
-weight keeps at its station, pulls with T + w times the height of the carriage above that.
+A damper between a hanger and the main rocker acts with the moment c (w - w'), w: angular velocities of both. Hauling
+ropes are in `hauling_ropes.py`.
 """
 
 from __future__ import annotations
@@ -20,10 +18,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ropewalk.mechanics.chain import Array, Integers
-from ropewalk.mechanics.compiled import inlined, lean, lean_inner, records
-from ropewalk.mechanics.hanging_rope import hang, hang_by_tension
-from ropewalk.system.contacts import ON, goes_on
-from ropewalk.system.travel import travelled
+from ropewalk.mechanics.compiled import inlined, lean_inner, records
+from ropewalk.system.hauling_ropes import HAUL, PART
 
 _REAL, _CODE, _VECTOR = "f8", "i8", ("f8", (3,))
 BAR = np.dtype(
@@ -47,32 +43,6 @@ BAR = np.dtype(
     ],
     align=True,
 )
-HAUL = np.dtype(
-    [
-        ("first", _CODE),  # first contact of its carriage
-        ("wheels", _CODE),
-        ("other", _CODE),  # first contact of the carriage at its other end, -1: none
-        ("others", _CODE),
-        ("to", _CODE),  # 1: the drive is at the end of the line, -1: at its start
-        ("stiffness", _REAL),  # N, EA
-        ("damping", _REAL),  # N s
-        ("beyond", _REAL),  # m, from the end of the line to the drive
-        ("length", _REAL),  # m, unstrained, of what is between carriage and drive at time zero, or both carriages
-        ("driven", _CODE),  # 1: a drive takes it in
-        ("strain", _REAL),  # when it was last looked at
-        ("rate", _REAL),  # 1/s, of the strain
-        ("pull", _REAL),  # N
-        ("hangs", _CODE),  # 1: freely between carriage and station, with its counter rope
-        ("weight", _REAL),  # N/m
-        ("level", _REAL),  # N, level part of its pull at the carriage; 0: not known
-        ("up", _REAL),  # N, upward part
-        ("counter", _REAL),  # N, tension of the counter rope at its station; 0: there is none
-        ("counter_weight", _REAL),  # N/m
-        ("way", *_VECTOR),  # level unit vector from the carriage to a station
-        ("free", *_VECTOR),  # N, pull of all that hangs freely
-    ],
-    align=True,
-)
 
 
 class Carriages(NamedTuple):
@@ -81,11 +51,14 @@ class Carriages(NamedTuple):
     bars: Any  # (bar,) records
     points: Integers  # first coordinates of particles
     hauls: Any  # (haul,) records
+    ropes: Any  # (part,) records of their masses and springs
+    towers: Array  # (tower, 2) m, on the ways of hauling ropes: along the rope to the drive, and level
 
     @staticmethod
     def nothing() -> Carriages:
         """There are none."""
-        return Carriages(records(0, BAR), np.zeros(0, dtype=np.int64), records(0, HAUL))
+        none = np.zeros(0, dtype=np.int64)
+        return Carriages(records(0, BAR), none, records(0, HAUL), records(0, PART), np.zeros((0, 2)))
 
     def ends(self, bar: Any) -> tuple[Integers, Integers]:
         """First coordinates of the particles at the upper and at the lower end of a bar."""
@@ -251,147 +224,3 @@ def _apart(carriages, e, w, a):
     B = carriages.bars
     upper = mean(carriages, B[e].upper, B[e].uppers, w, a)
     return mean(carriages, B[e].lower, B[e].lowers, w, a) - upper
-
-
-@lean_inner
-def to_drive(lines, runs, length, contacts, first, count, to):
-    """Mean length of the line between some contacts and its end (`to` is 1) or its start (-1), m."""
-    line, gone, behind = contacts[first].line, 0.0, 0.0
-    last = lines.first[line] + lines.runs[line] - 1
-    for s in range(lines.first[line], last + 1):
-        begin = runs.first[s]
-        for k in range(first, first + count):
-            if contacts[k].run == s:
-                whole = int(contacts[k].x)
-                own = gone
-                for i in range(begin, begin + whole):
-                    own += length[i]
-                if whole < runs.links[s]:
-                    own += (contacts[k].x - whole) * length[begin + whole]
-                behind += own
-        for i in range(begin, begin + runs.links[s]):
-            gone += length[i]
-        if s < last and not goes_on(lines, runs, s):
-            gone += length[begin + runs.links[s]]
-    behind /= count
-    return gone - behind if to > 0 else behind
-
-
-@lean
-def to_drive_entry(lines, runs, length, contacts, first, count, to):
-    """`to_drive` as Python calls it."""
-    return to_drive(lines, runs, length, contacts, first, count, to)
-
-
-@lean_inner
-def _aim(hauls, e, lines, runs, r, u, contacts, first, count, to):
-    """Note the level way from a carriage to an end of its line; returns how far and how much higher that is, m."""
-    last, s = r.shape[0] - 1, lines.first[contacts[first].line]
-    node = runs.first[s]
-    if to > 0:
-        s += lines.runs[contacts[first].line] - 1
-        node = runs.first[s] + runs.links[s]
-    square = 0.0
-    for a in range(last):
-        hauls[e].way[a] = r[a, node] - _middle(contacts, first, count, u, a)
-        square += hauls[e].way[a] ** 2
-    level = max(np.sqrt(square), 1e-9)
-    for a in range(last):
-        hauls[e].way[a] /= level
-    return level, r[last, node] - _middle(contacts, first, count, u, last)
-
-
-@lean_inner
-def _middle(contacts, first, count, u, a):
-    """Component a of the middle of a carriage, m."""
-    total = 0.0
-    for k in range(first, first + count):
-        total += u[contacts[k].first + a]
-    return total / count
-
-
-@lean_inner
-def _hang_freely(hauls, e, level, up, force, axes):
-    """Add the pull of a rope that hangs freely, whose parts are given, of which `force` is a part."""
-    for a in range(axes - 1):
-        hauls[e].free[a] += force * level * hauls[e].way[a]
-    hauls[e].free[axes - 1] += force * up
-
-
-@lean_inner
-def _pull(hauls, e, contacts, first, count, pull, axes):
-    """Let contacts of a carriage be pulled by a force in N along their line, and what hangs freely, all alike."""
-    for k in range(first, first + count):
-        square = 0.0
-        for a in range(axes):
-            square += contacts[k].along[a] ** 2
-        on = 1.0 if contacts[k].state == ON else 0.0
-        for a in range(axes):
-            new = pull * contacts[k].along[a] / np.sqrt(max(square, 1e-300)) + hauls[e].free[a]
-            new *= on / count
-            contacts[k].given[a] += new - contacts[k].hauled[a]
-            contacts[k].hauled[a] = new
-
-
-@lean_inner
-def haul(carriages, structure, buffers, contacts, tables, state, since):
-    """Let hauling ropes pull at their carriages.
-
-    Args:
-        since: s, since they were looked at before; 0: nothing has moved.
-    """
-    H = carriages.hauls
-    lines, runs = structure.lines, structure.runs
-    for e in range(H.size):
-        first, count, to = H[e].first, H[e].wheels, H[e].to
-        length = H[e].length
-        if H[e].driven == 1:
-            length -= travelled(tables, contacts, first, state.t[0])
-        if H[e].hangs == 1:
-            strain = _stretch_freely(H, e, lines, runs, state.r, state.u, contacts, length)
-        else:
-            far = to_drive(lines, runs, buffers.length, contacts, first, count, to) + H[e].beyond
-            if H[e].driven == 0:
-                far += to_drive(lines, runs, buffers.length, contacts, H[e].other, H[e].others, to) + H[e].beyond
-            strain = far / length - 1.0
-        if since > 0.0:
-            H[e].rate = (strain - H[e].strain) / since
-        H[e].strain = strain
-        H[e].pull = 0.0
-        if strain > 0.0:
-            H[e].pull = max(H[e].stiffness * strain + H[e].damping * H[e].rate, 0.0)
-        _pull_back(H, e, lines, runs, state.r, state.u, contacts, first, count)
-        if H[e].driven == 0:
-            _pull_back(H, e, lines, runs, state.r, state.u, contacts, H[e].other, H[e].others)
-
-
-@lean_inner
-def _stretch_freely(hauls, e, lines, runs, r, u, contacts, length):
-    """Find the pull of a rope that hangs freely, `length` in m long; returns its strain at the carriage."""
-    far, up = _aim(hauls, e, lines, runs, r, u, contacts, hauls[e].first, hauls[e].wheels, hauls[e].to)
-    EA, w = hauls[e].stiffness, hauls[e].weight
-    end = np.hypot(hauls[e].level, hauls[e].up + w * np.hypot(far, up))  # about the tension at the drive
-    own = max(length - hauls[e].beyond / (1.0 + end / EA), 1e-3 * far)
-    hauls[e].level, hauls[e].up = hang(far, up, own, w, EA, hauls[e].level, hauls[e].up)
-    return np.hypot(hauls[e].level, hauls[e].up) / EA
-
-
-@lean_inner
-def _pull_back(hauls, e, lines, runs, r, u, contacts, first, count):
-    """Let the hauling rope, whose pull is known, and the counter rope pull at one carriage."""
-    axes, to, along = r.shape[0], hauls[e].to, 0.0
-    for a in range(axes):
-        hauls[e].free[a] = 0.0
-    if hauls[e].hangs == 1:
-        strain = max(hauls[e].strain, 1e-300)
-        _hang_freely(hauls, e, hauls[e].level, hauls[e].up, hauls[e].pull / (hauls[e].stiffness * strain), axes)
-    else:
-        along = to * hauls[e].pull
-    if hauls[e].counter > 0.0:
-        far, up = _aim(hauls, e, lines, runs, r, u, contacts, first, count, -to)
-        if hauls[e].hangs == 1:
-            level, up = hang_by_tension(far, up, hauls[e].counter, hauls[e].counter_weight)
-            _hang_freely(hauls, e, level, up, 1.0, axes)
-        else:
-            along -= to * max(hauls[e].counter - hauls[e].counter_weight * up, 0.0)
-    _pull(hauls, e, contacts, first, count, along, axes)

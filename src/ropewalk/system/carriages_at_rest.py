@@ -6,22 +6,20 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ropewalk.errors import EquilibriumError
+from ropewalk.mechanics.assembly import speed_table
 from ropewalk.mechanics.chain import Array
-from ropewalk.mechanics.hanging_rope import hang_by_tension_entry, hang_entry
+from ropewalk.mechanics.hanging_rope import hang_by_tension_entry
 from ropewalk.mechanics.loading import Loading
 from ropewalk.model.carriage import Carriage
 from ropewalk.model.scenario import Scenario
 from ropewalk.system.bodies import BodyArrays
-from ropewalk.system.carriages import to_drive_entry
+from ropewalk.system.hauling_ropes import lay_out_entry
 from ropewalk.system.structure import Buffers, Structure
 
 # Rounds in which places of wheels are found, and the push along the line over that across it that is none any more.
 _ROUNDS, _EVEN = 12, 1e-6
-# Lengths of ropes that hang freely, over those of their chords: the pull that holds a carriage is between theirs.
-_TAUTEST, _SLACKEST = 0.98, 1.25
 
 
 class CarriagesAtRest:
@@ -94,15 +92,15 @@ class CarriagesAtRest:
         for i, haul in enumerate(self._bodies.carriages.hauls):
             ends = [(haul["first"], haul["wheels"]), (haul["other"], haul["others"])][: 2 - haul["driven"]]
             ways = [self._way(first, count) for first, count in ends]
+            haul["level"] = np.linalg.norm(self._to_station(structure, r, ends[0][0], int(haul["to"]))[:-1])
             back = [self._back(haul, structure, r, first) for first, _ in ends]
             needed = [
                 self._weight(first) * float(way[:, -1].mean()) for (first, _), way in zip(ends, ways, strict=True)
             ]
             if haul["hangs"]:
                 (first, count), way = ends[0], ways[0].mean(axis=0)
-                free = back[0] + self._hang(haul, structure, r, needed[0] - float(back[0] @ way))
-                self._contacts["hauled"][first : first + count, : self._dim] = free / count
-                self._pull[i] = np.hypot(haul["level"], haul["up"])
+                self._pull[i], free = self._hang(haul, structure, r, needed[0] - float(back[0] @ way))
+                self._contacts["hauled"][first : first + count, : self._dim] = (free + back[0]) / count
                 continue
             # what pulls back, pulls along the line
             need = [float(haul["to"]) * own + float(np.linalg.norm(b)) for own, b in zip(needed, back, strict=True)]
@@ -151,39 +149,55 @@ class CarriagesAtRest:
         if not haul["counter"]:
             return np.zeros(self._dim)
         away = self._to_station(structure, r, first, -int(haul["to"]))
+        pull = max(float(haul["counter"] - haul["counter_weight"] * away[-1]), 0.0)
         if not haul["hangs"]:
-            pull = max(float(haul["counter"] - haul["counter_weight"] * away[-1]), 0.0)
             return np.asarray(pull * away / np.linalg.norm(away))
+        if haul["towers"]:
+            along = -float(haul["to"]) * self._way(first, int(haul["wheels"])).mean(axis=0)
+            weighs = self._weighs(haul, along, away, float(haul["counter_weight"]), -int(haul["to"]))
+            return np.asarray(np.sqrt(max(pull**2 - float(weighs @ weighs), 0.0)) * along + weighs)
         far = float(np.linalg.norm(away[:-1]))
         level, up = hang_by_tension_entry(far, float(away[-1]), float(haul["counter"]), float(haul["counter_weight"]))
         return np.append(level * away[:-1] / far, up)
 
-    def _hang(self, haul: Any, structure: Structure, r: Array, needed: float) -> Array:
-        """Let a rope hang freely so that it pulls along the line with so many N; its pull, (axis,) N."""
+    def _weighs(self, haul: Any, along: Array, away: Array, weight: float, to: int) -> Array:
+        """Half of the rope from a carriage to the next roller or station, across its way, (axis,) N.
+
+        Args:
+            haul: the hauling rope.
+            along: (axis,) unit vector from the carriage on.
+            away: (axis,) m, to the station.
+            weight: N/m.
+            to: 1 towards the end of the line, -1 towards its start.
+        """
+        far, ahead = float(np.linalg.norm(away[:-1])), self._bodies.carriages.towers
+        ahead = ahead[haul["tower"] : haul["tower"] + haul["towers"], 1]
+        level = far if to == haul["to"] else float(haul["level"])
+        between = level - ahead if to == haul["to"] else ahead - level
+        span = float(np.linalg.norm(away)) * min([*between[between > 0.0].tolist(), far]) / far
+        return np.asarray(0.5 * weight * span * (float(along[-1]) * along - np.eye(self._dim)[-1]))
+
+    def _hang(self, haul: Any, structure: Structure, r: Array, needed: float) -> tuple[float, Array]:
+        """Pull of a rope that hangs freely, N, and all that it does to its carriage, (axis,) N.
+
+        Args:
+            haul: the rope.
+            structure: what carries it.
+            r: (axis, node) m.
+            needed: N, along the line and as it goes, of both.
+        """
         away = self._to_station(structure, r, int(haul["first"]), int(haul["to"]))
         way = self._way(haul["first"], haul["wheels"]).mean(axis=0)
-        far, EA, w = float(np.linalg.norm(away[:-1])), float(haul["stiffness"]), float(haul["weight"])
-        chord = float(np.linalg.norm(away))
-
-        def pull(length: float) -> Array:
-            level, up = hang_entry(far, float(away[-1]), length, w, EA, 0.0, 0.0)
-            return np.append(level * away[:-1] / far, up)
-
-        def miss(length: float) -> float:
-            return float(haul["to"]) * (float(pull(length) @ way) - needed)
-
-        if not miss(_TAUTEST * chord) > 0.0 > miss(_SLACKEST * chord):
+        along = way * haul["to"] if haul["towers"] else away / np.linalg.norm(away)
+        weighs = self._weighs(haul, along, away, float(haul["weight"]), int(haul["to"]))
+        pull = (needed - float(weighs @ way)) / float(along @ way)
+        if pull <= 0.0:
             name = self._loading.wheels[int(haul["first"])].load
             raise EquilibriumError(
                 f"the hauling rope of {name} cannot hold it where it begins, which takes {haul['to'] * needed:.4g} N "
                 "along its line: let it begin where the line rises towards its drive, or give haul a counter rope"
             )
-        own = float(brentq(miss, _TAUTEST * chord, _SLACKEST * chord, xtol=1e-12 * chord))
-        free = pull(own)
-        haul["level"], haul["up"] = np.linalg.norm(free[:-1]), free[-1]
-        end = np.hypot(haul["level"], free[-1] + w * chord)  # as in motion
-        haul["length"] = own + haul["beyond"] / (1.0 + end / EA)
-        return free
+        return pull, pull * along + weighs
 
     def hang(self, u: Array, w: Array) -> None:
         """Put cabins below, with the angles of their hangers at the start, and let them go along.
@@ -214,16 +228,13 @@ class CarriagesAtRest:
             r: (axis, node) m.
             u: coordinates of what has a mass, m.
         """
-        contacts, self._u = self._contacts, u
-        if self._bodies.carriages.hauls["hangs"].any():  # they feel how far carriages press down the line below them
+        contacts, carriages, self._u = self._contacts, self._bodies.carriages, u
+        if carriages.hauls["hangs"].any():  # they feel how far carriages press down the line below them
             self.hold(structure, r)
-        line = structure.lines, structure.runs, buffers.length, contacts
-        for haul, own in zip(self._bodies.carriages.hauls, self._pull, strict=True):
-            haul["strain"], haul["pull"] = own / haul["stiffness"], own
-            if haul["hangs"]:
-                continue
-            far = to_drive_entry(*line, haul["first"], haul["wheels"], haul["to"]) + haul["beyond"]
-            if not haul["driven"]:
-                far += to_drive_entry(*line, haul["other"], haul["others"], haul["to"])
-                far += haul["beyond"]
-            haul["length"] = far / (1.0 + haul["strain"])
+        now = structure.for_kernels, buffers.for_kernels(structure)
+        for e, haul in enumerate(carriages.hauls):
+            load = self._scenario.loads[self._loading.wheels[int(haul["first"])].load]
+            assert isinstance(load, Carriage)
+            assert load.haul is not None
+            speed = speed_table(load.haul.speed, 0.0)[1][0] if load.haul.speed is not None else 0.0
+            lay_out_entry(carriages, *now, r, u, contacts, e, float(self._pull[e]), float(speed))

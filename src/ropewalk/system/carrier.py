@@ -119,7 +119,7 @@ class System(NamedTuple):
     def changing(self) -> dict[str, Arrays]:
         """All that changes in motion."""
         own = arrays_of(self.bodies, "gone", "tethers", "M", "K")
-        own |= arrays_of(self.bodies.carriages, "hauls")
+        own |= arrays_of(self.bodies.carriages, "hauls", "ropes")
         found = {
             "state": arrays_of(self.state), "room": arrays_of(self.buffers), "contacts": {"records": self.contacts},
             "bodies": own,

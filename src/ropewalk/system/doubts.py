@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.contact_points import ContactPoint
-from ropewalk.model.carriage import Carriage, Haul
+from ropewalk.model.carriage import Carriage
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.trolley import Trolley
 from ropewalk.results.frame import RunInfo
 from ropewalk.results.frames import Frames
-from ropewalk.results.hauling import Hauling, hauling
+from ropewalk.results.hauling import Hauling
 from ropewalk.system.assembled import Assembled
 from ropewalk.system.structure import Buffers
 
@@ -22,9 +23,8 @@ from ropewalk.system.structure import Buffers
 _PUSHED = 0.1
 # Part of the weight of a load on several lines, with which each may draw it down: where it is set down, they differ.
 _LITTLE = 1e-2
-# Strain of a hauling rope up to which it is slack: rounding. Beside a counter rope its pull is told as a difference of
-# forces, along the chord of its wheels: of a slack one 5e-4 of the counter rope's tension were left.
-_SLACK, _REST_OF_COUNTER = 1e-9, 2e-3
+# Strain of a hauling rope up to which it is slack: rounding.
+_SLACK = 1e-9
 # Tension over EA of a line at rest that nothing pulls at.
 _NOTHING = 1e-10
 # Length of links over the smallest rocker from which on single wheels on a saddle are not resolved.
@@ -91,38 +91,46 @@ def doubt_wheels(scenario: Scenario, run_info: RunInfo, frames: Frames, wheels: 
 
 
 def judge_hauling_ropes(
-    scenario: Scenario, run_info: RunInfo, frames: Frames, wheels: Sequence[ContactPoint], line: Sequence[str]
+    scenario: Scenario, run_info: RunInfo, frames: Frames, hauled: Sequence[str], deep: Array
 ) -> None:  # fmt: skip
-    """Warn of hauling ropes that are slack, for they only pull, and doubt drives on whose sheaves they would slip."""
-    for name, load in scenario.loads.items():
-        if not isinstance(load, Carriage) or load.haul is None:
-            continue
-        own, nodes = [wheel.load == name for wheel in wheels], [one == load.on for one in line]
-        found = hauling(
-            load.haul, scenario.gravity, frames.of["hold_force"][:, own].sum(axis=1),
-            frames.of["contact_position"][:, own].mean(axis=1), frames.of["position"][:, nodes],
-        )  # fmt: skip
-        if load.haul.sheave is not None:
-            _doubt_slip(name, load.haul, run_info, frames.path, found)
-        least = _REST_OF_COUNTER * found.counter if load.haul.counter else _SLACK * load.haul.axial_stiffness
-        slack = found.pull <= least
-        text = f"the hauling rope of {name} is slack at t = "
-        if slack.any() and not any(warning.startswith(text) for warning in run_info.warnings):
-            run_info.warnings.append(f"{text}{frames.path[int(np.argmax(slack))]:.4g} s: {name} runs by itself then")
+    """Warn of hauling ropes that are slack, for they only pull, and of those that slip; doubt ropes that sag deeply.
+
+    Args:
+        scenario: what is there.
+        run_info: notes what is found.
+        frames: what is judged.
+        hauled: carriages that ropes haul.
+        deep: (instant, rope) largest weight of a span of each rope over its tension.
+    """
+    own = [name for name, load in scenario.loads.items() if isinstance(load, Carriage) and load.haul is not None]
+    for e, name in enumerate(own):
+        load = scenario.loads[name]
+        assert isinstance(load, Carriage)
+        row, haul = hauled.index(name), load.haul
+        assert haul is not None
+        found, slipped = Hauling.of(frames.of["haul_tension"][:, row]), frames.of["haul_slip"][:, row]
+        slack = found.pull <= _SLACK * haul.axial_stiffness
+        _warn(run_info, frames.path, slack, f"the hauling rope of {name} is slack", f"{name} runs by itself then")
+        if haul.sheave is not None:
+            bears = math.exp(haul.sheave.friction * haul.sheave.wrap)
+            what = f"the hauling rope of {name} slips on the sheave of its drive"
+            so = f"friction bears {bears:.3g} to 1, and the drive no longer leads {name}"
+            _warn(run_info, frames.path, np.abs(slipped) > 0.0, what, so)
+        key, sags = f"loads.{name}.haul.sags", deep[:, e] > 1.0
+        if sags.any() and all(doubt.key != key for doubt in run_info.doubts):
+            i = int(np.argmax(sags))
+            run_info.doubt(
+                f"the hauling rope of {name} weighs {deep[i, e]:.3g} times what it pulls with, between two rollers, at "
+                f"t = {frames.path[i]:.4g} s, and sags by more than an eighth of that way",
+                "its sag is that of a shallow rope", key, "give it more tension by counter, or leave sags out",
+            )  # fmt: skip
 
 
-def _doubt_slip(name: str, haul: Haul, run_info: RunInfo, path: Array, found: Hauling) -> None:
-    assert haul.sheave is not None
-    key, most = f"loads.{name}.haul.sheave", math.exp(haul.sheave.friction * haul.sheave.wrap)
-    slips = found.ratio > most
-    if slips.any() and all(doubt.key != key for doubt in run_info.doubts):
-        i = int(np.argmax(slips))
-        run_info.doubt(
-            f"the hauling rope of {name} would slip on the sheave of its drive at t = {path[i]:.4g} s: its sides pull "
-            f"as {found.ratio[i]:.3g} to 1, and friction bears {most:.3g} to 1",
-            "its drive takes in and lets out what it is told", key,
-            "give counter more tension, or the sheave more friction or wrap",
-        )  # fmt: skip
+def _warn(run_info: RunInfo, path: Array, when: Any, what: str, so: str) -> None:
+    """Note when something is so for the first time, once."""
+    text = f"{what} at t = "
+    if when.any() and not any(warning.startswith(text) for warning in run_info.warnings):
+        run_info.warnings.append(f"{text}{path[int(np.argmax(when))]:.4g} s: {so}")
 
 
 def doubt_struts(assembled: Assembled, buffers: Buffers, run_info: RunInfo, t: float) -> None:

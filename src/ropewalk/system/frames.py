@@ -53,6 +53,7 @@ class SystemNote(NamedTuple):
     reaction: Array  # (restraint, axis) N
     contacts: Any  # (contact,) records
     tethers: Any  # (tether,) records
+    hauls: Any  # (haul,) records
     M: Array  # (part, size, size) kg
     K: Array  # N/m
     elastic: Array  # () J, what lines and contacts store
@@ -63,8 +64,8 @@ class SystemNote(NamedTuple):
         return SystemNote(
             state.t[0].copy(), state.r.copy(), state.v.copy(), state.u.copy(), state.w.copy(), state.s.copy(),
             state.work.copy(), buffers.tension.copy(), buffers.strain.copy(), buffers.bent.copy(),
-            buffers.reaction.copy(),
-            contacts.copy(), bodies.tethers.copy(), bodies.M.copy(), bodies.K.copy(), np.array(elastic),
+            buffers.reaction.copy(), contacts.copy(), bodies.tethers.copy(), bodies.carriages.hauls.copy(),
+            bodies.M.copy(), bodies.K.copy(), np.array(elastic),
         )  # fmt: skip
 
     @staticmethod
@@ -144,6 +145,7 @@ class FrameBuilder:
                 for sheet, at in zip(membranes, begin, strict=False)
                 for i, j, k in sheet.surface.triangle + at
             ),
+            hauled=self._hauled(),
             cell_net=tuple(sheet.name for sheet in membranes for _ in sheet.surface.triangle),
             body=tuple(body.name for body in displayed),
             path=path,
@@ -178,6 +180,7 @@ class FrameBuilder:
             **seen.fields(),
             "body_position": places, "body_velocity": velocities, "reaction": self._reactions(at),
             **self._of_ties(at, seen, still=still is not None), **self._cell_tensions(at),
+            **self._of_hauling_ropes(at),
             "energy": self._energy(at, still=still is not None),
         }  # fmt: skip
         return Frames(at.t if still is None else np.full(at.t.shape, still), of)
@@ -230,6 +233,24 @@ class FrameBuilder:
         if (surfaces := self.assembled.structure.surfaces) is None:
             return {}
         return {"cell_tension": np.array([tensions_of(surfaces.cells, surfaces.cells.area.size, r.T) for r in at.r])}
+
+    def _hauled(self) -> tuple[str, ...]:
+        """Carriages that ropes haul: each rope's own, and then those at the other ends of ropes over pulleys."""
+        hauls, wheels = self.bodies.carriages.hauls, self.loading.wheels
+        ends = [*hauls["first"], *(haul["other"] for haul in hauls if not haul["driven"])]
+        return tuple(wheels[int(first)].load for first in ends)
+
+    def _of_hauling_ropes(self, at: SystemNote) -> dict[str, Array]:
+        hauls = self.bodies.carriages.hauls
+        if not hauls.size:
+            return {}
+        over = np.flatnonzero(hauls["driven"] == 0)
+        own, other = np.split(at.hauls["tensions"], 2, axis=2)
+        slipped = at.hauls["slipped"]
+        return {
+            "haul_tension": np.concatenate([own, other[:, over]], axis=1),
+            "haul_slip": np.concatenate([slipped, slipped[:, over]], axis=1),
+        }
 
     def _axial_force(self, at: SystemNote) -> Array:
         """Force along the tangent in links, by their first node, N: what stretches them, and EI kappa^2."""

@@ -13,10 +13,11 @@ from ropewalk.mechanics.elimination import solve_definite
 from ropewalk.mechanics.moving_contact import look_up
 from ropewalk.system.bodies import LEAVES, STAYS, approach, arrive, balance, drift, ground, kick, lead
 from ropewalk.system.cables import add_internal_forces, add_wind_forces, energy_of, guess, stretch_all
-from ropewalk.system.carriages import haul, roll
+from ropewalk.system.carriages import roll
 from ropewalk.system.constraints import draw, is_too_long, note_kick
 from ropewalk.system.contacts import AWAY, BODY, FREE, GONE, ON, add_contact_forces, bend
 from ropewalk.system.friction import NOT, rub
+from ropewalk.system.hauling_ropes import haul
 from ropewalk.system.inertia import kick_along
 from ropewalk.system.saddles import add_saddle_forces, lie_on, rub_on_saddles, stored_in_saddles
 from ropewalk.system.sheaves import (

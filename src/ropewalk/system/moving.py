@@ -419,8 +419,7 @@ class SystemMotion:
         doubts.doubt_saddles(self._scenario, self.run_info, frames, self.layout.node_line)
         if self._carriages.rounds or self._crabs.each:
             doubts.doubt_wheels(self._scenario, self.run_info, frames, self.loading.wheels)
-            own = self.loading.wheels, self.layout.node_line
-            doubts.judge_hauling_ropes(self._scenario, self.run_info, frames, *own)
+            doubts.judge_hauling_ropes(self._scenario, self.run_info, frames, self.layout.hauled, at.hauls["deep"])
         self._ask_friction(frames, at.contacts)
         return frames
 

@@ -19,7 +19,9 @@ from ropewalk.mechanics import law
 from ropewalk.mechanics.assembly import axes_of
 from ropewalk.mechanics.chain import Array
 from ropewalk.model.scenario import Scenario
-from ropewalk.overhead.section import CONTACT, Section, in_space, section_of
+from ropewalk.overhead.in_space import in_space, near_rest
+from ropewalk.overhead.plan_view import CONTACT
+from ropewalk.overhead.section import Section, section_of
 from ropewalk.system.assembled import Assembled, Attached
 from ropewalk.system.profile import Profiles
 from ropewalk.system.structure import About, Inertia, Lines, Nodes, Restraints, Runs, Structure, WindField
@@ -63,7 +65,7 @@ def overhead_lines_of(scenario: Scenario, axes: tuple[str, ...] | None) -> Assem
         EquilibriumError: a line cannot rest as wanted.
     """
     sections = {name: section_of(name, line, scenario.gravity) for name, line in scenario.overhead_lines.items()}
-    aside = any(section.stagger.any() for section in sections.values())
+    aside = not all(section.view.is_straight for section in sections.values())
     axes = axes or (("x", "y", "z") if aside else axes_of(scenario))
     displayed = [0, 1, 2] if len(axes) == 3 else [0, 2]
     parts, runs, on = list[_Part](), list[_WireRun](), dict[str, int]()
@@ -97,7 +99,7 @@ def overhead_lines_of(scenario: Scenario, axes: tuple[str, ...] | None) -> Assem
 
 
 def _runs(section: Section, displayed: list[int], first: int) -> Iterator[_WireRun]:
-    mesh, near = section.mesh(), section.near[displayed]
+    mesh, near = section.mesh(), near_rest(section)[displayed]
     unstrained = hung(mesh, section.rest.position)
     for i, wire in enumerate(section.plan.wires):
         part, links = mesh.of(i), int(mesh.strands.links[i])

@@ -198,9 +198,29 @@ def _of_carriages(contacts: Any, bodies: BodyArrays) -> Iterator[float]:
             if first >= 0:  # it pulls at the mean of its wheels
                 pulled = np.zeros(count)
                 pulled[contacts["first"][first : first + wheels]] = 1.0 / wheels
-                light = float(pulled @ inverse @ pulled) / float(haul["length"])
-                square, rate = square + float(haul["stiffness"]) * light, rate + float(haul["damping"]) * light
+                light = float(pulled @ inverse @ pulled)
+                of_rope = _of_rope(haul, light)
+                square, rate = square + of_rope[0], rate + of_rope[1]
     yield _stable(square, rate)
+
+
+def _of_rope(haul: Any, carriage: float) -> tuple[float, float]:
+    """Bounds of the square of a frequency, 1/s^2, and of a rate, 1/s, of a hauling rope and its counter rope.
+
+    Half a spring is between carriage and first mass, 2 k (1/M + 1/m), the others are no more than 4 k/m.
+
+    Args:
+        haul: its record.
+        carriage: 1/kg, what a force on its carriage accelerates.
+    """
+    n, length = int(haul["masses"]), float(haul["length"])
+    stiff, damps = (float(haul[key]) / length * max(2 * n, 1) for key in ("stiffness", "damping"))
+    light = carriage + (3.0 * n / (float(haul["mass"]) * length) if n else 0.0)
+    square = stiff * light
+    if haul["counter_mass"] > 0.0:  # on half of its spring
+        near, k, m = float(haul["counter_place"][0]), float(haul["counter_stiffness"]), float(haul["counter_mass"])
+        square += 2.0 * k / near * (carriage + 1.0 / (m * near))
+    return square, damps * light
 
 
 def _at_sheaves(structure: Structure, r: Array) -> Iterator[tuple[float, float]]:

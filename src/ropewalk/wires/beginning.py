@@ -17,7 +17,7 @@ from ropewalk.wires.mesh import Mesh
 from ropewalk.wires.plan import Array, Integers
 from ropewalk.wires.prescribed_motion import PrescribedMotion
 from ropewalk.wires.pressing import Pressing, pressing
-from ropewalk.wires.rest import moving, rows, spring, vertical_stiffness
+from ropewalk.wires.rest import moving, rows, spring, ties_springs, vertical_stiffness
 from ropewalk.wires.small import SmallMotion
 from ropewalk.wires.task import WireStart, along, loaded, place_at, resting, rows_at
 
@@ -61,8 +61,7 @@ def _about_rest(start: WireStart) -> sparse.csc_matrix:
     mesh, rest = start.mesh, start.rest
     assert rest is not None
     ties, holds = mesh.ties, mesh.holds
-    local = ties.one.local + np.where(np.isfinite(ties.ground[:, 0]), 0.0, ties.other.local)
-    k = np.where(rest.tie_force > 0.0, spring(ties.stiffness, local), spring(ties.pushes, local))
+    k = np.where(rest.tie_force > 0.0, *ties_springs(mesh))
     way, pull = rest.tie_way[:, 2], np.maximum(rest.tie_force, 0.0)
     tie, hold = rows(ties.other, mesh.nodes) - rows(ties.one, mesh.nodes), rows(holds.at, mesh.nodes)
     across = k * way**2 + pull / rest.tie_distance * (1.0 - way**2)

@@ -25,14 +25,6 @@ _LONGEST = 1e4  # s between two outputs: ten million samples
 _AT_REST = ("force", "axles", "mass", "oscillator", "vehicle", "train", "matrices", "pantograph")
 
 
-def _on_overhead_lines(parts: Parts) -> Iterator[Finding]:
-    if isinstance(parts.run, Dynamic) and parts.run.geometry == "nonlinear":
-        for name, line in parts.overhead.items():
-            if line is not None and line.stitch_wire is not None:
-                what = "the nonlinear motion of overhead lines"
-                yield missing(("overhead_lines", name, "stitch_wire"), what, remedy="write run.geometry: linearised")
-
-
 def _with_failing_droppers(parts: Parts) -> Iterator[Finding]:
     """Droppers fail on the way, and all around them must be free to respond."""
     run, feature = parts.run, "a dropper that fails"
@@ -140,7 +132,6 @@ MOTION = Capabilities(
     },
     more=(
         check_small,
-        _on_overhead_lines,
         _with_failing_droppers,
         _in_the_plane,
         _of_loads,

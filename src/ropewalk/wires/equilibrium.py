@@ -60,6 +60,7 @@ class WirePotential:
         self._stiff = spring(mesh.holds.stiffness, mesh.holds.at.local[:, None])
         self.place, self.given = mesh.holds.place, np.zeros_like(mesh.holds.place)
         self.force = np.zeros((3, mesh.nodes)) if force is None else force.copy()
+        self.force[1] += mesh.sideways
         self.force[2] -= plan.gravity * mesh.mass
         self.force += (self._hold.T @ mesh.holds.force).T
 

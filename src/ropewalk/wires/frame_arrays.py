@@ -76,12 +76,12 @@ class Pictures:
         self._first = np.concatenate([[0], np.cumsum(links)[:-1]])  # (wire,) number of its first link
         self._links = np.concatenate([i + np.arange(n) for i, n in zip(mesh.strands.first, links, strict=True)])
         self._stiffness = np.repeat([wire.axial_stiffness for wire in task.plan.wires], links)
-        self._potential = potential
+        self._potential, self._bow = potential, task.bow
         if potential is None:
             self._end_stiffness = vertical_stiffness(mesh)[ends]
             self._risen = (beds(mesh) * mesh.straight()[2])[ends]
             self._end_weight = task.plan.gravity * mesh.mass[ends]
-            self._strained = np.repeat([wire.tension / wire.axial_stiffness for wire in task.plan.wires], links)
+            self._strained = mesh.tension[self._links] / self._stiffness
 
     def get_state(self) -> Tree:
         """The origin of the audit, and how long contacts have been in the air."""
@@ -101,6 +101,7 @@ class Pictures:
         before = [np.stack(each) for each in zip(*recorded, strict=True)]
         motion, lifts = self.motion, self.moving_loads.lifts
         r, v = motion.seen(then.both)
+        displayed = r if self._bow is None else r + np.array([[0.0], [1.0], [0.0]]) * self._bow
         if isinstance(motion, LargeMotion):
             strain = motion.strain(r[:, self.axes])[:, self._links]
             tension = axial_force(self.mesh, self._stiffness * strain, r)
@@ -113,9 +114,9 @@ class Pictures:
         places, rates = self._bodies(then, station, r)
         watched = np.where(np.abs(before[3]) < _NOTHING, 0.0, before[3] - self._watched)
         of = {
-            "position": r[:, self.axes].swapaxes(1, 2), "velocity": v[:, self.axes].swapaxes(1, 2),
+            "position": displayed[:, self.axes].swapaxes(1, 2), "velocity": v[:, self.axes].swapaxes(1, 2),
             "tension": tension, "strain": strain, "body_position": places, "body_velocity": rates,
-            **self._contacts(r, tension, where == ON_WIRE, station, force, height, in_air).fields(),
+            **self._contacts(displayed, tension, where == ON_WIRE, station, force, height, in_air).fields(),
             "reaction": self.reactions(motion.hold_at_rest + hold, tie, r, then.failed),
             "energy": self._energies.of(then),
             "tie_force": tie, "sampled_station": stations, "sampled_force": before[0], "sampled_height": before[1],

@@ -102,7 +102,7 @@ class Wires:
         # Rows from each output instant to the next one.
         self._counts = [*(max(1, round(float(each) / self.sample)) for each in np.diff(self.times)), 1]
         along = largest_step_along(self.mesh, task.inertia) if start.rest is None else np.inf
-        self._stable = largest_step(self.mesh, self.moving_loads)
+        self._stable = largest_step(self.mesh, self.moving_loads, along=start.rest is None)
         if np.isinf(self.moving_loads.spring).any():  # rigid contacts go on by the steps of axial waves
             self._stable = min(self._stable, along)
         self.steps = _parts(self.sample, self._stable if step is None else step)

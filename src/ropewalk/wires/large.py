@@ -83,6 +83,7 @@ def threads_of(mesh: Mesh, position: Array, rest: Array, step: float, inner: int
     steady = correction(mesh, position, bending)
     steady[0] = 0.0  # only waves across are corrected
     steady[-1] -= plan.gravity * mesh.mass
+    steady[1:-1] += mesh.sideways  # in space
     steady += (rows(mesh.holds.at, mesh.nodes).T @ mesh.holds.force).T[axes]
     return Threads(
         bending, gain, inner * gain, (2.0 - slow) / slow, (2.0 - slow_end) / slow_end, gain * steady,
@@ -318,9 +319,7 @@ def _join(strands, threads, moving_loads, stepping, other, inputs, record, row, 
 
 @lean
 def advance(strands, threads, link_springs, holders, watched, moving_loads, stepping, level, slope, now, other, buffers,
-            q,
-            small, inner,
-            inputs, record, steps, sweeps, w):  # fmt: skip
+            q, small, inner, inputs, record, steps, sweeps, w):  # fmt: skip
     """Go on by all rows of the record.
 
     Args:
@@ -347,7 +346,10 @@ def advance(strands, threads, link_springs, holders, watched, moving_loads, step
             move_places(holders, between_rows(inputs.time, row, (step + 1.0 / inner) / steps))
             _move(strands, threads, now, other, buffers, q, level, slope, small, dt)
             t = between_rows(inputs.time, row, step / steps)
-            add_tie_forces(link_springs, now, other, threads.kick, stepping, record.tie, row, step, t)
+            add_tie_forces(link_springs, link_springs.slow, now, other, threads.kick, stepping.step, stepping.work,
+                           record.tie, row, step == 0, t)  # fmt: skip
+            add_tie_forces(link_springs, link_springs.fast, now, other, threads.gain, dt, stepping.work, record.tie,
+                           row, step == 0, t)  # fmt: skip
             begin(moving_loads, stepping, inputs.push, row, step / steps)
             for k in range(moving_loads.owner.size):
                 _touch(strands, threads, moving_loads, stepping, now, other, inputs, record, row, step, steps, k, w)
@@ -366,6 +368,8 @@ def advance(strands, threads, link_springs, holders, watched, moving_loads, step
                 if part > 0:
                     move_places(holders, between_rows(inputs.time, row, (step + (part + 1.0) / inner) / steps))
                     _move(strands, threads, now, other, buffers, q, level, slope, small, dt)
+                    add_tie_forces(link_springs, link_springs.fast, now, other, threads.gain, dt, stepping.work,
+                                   record.tie, row, False, t)  # fmt: skip
                     restrain(holders, holders.fast, holders.hold.size, now, other, threads.gain, dt, stepping.work,
                              record.hold, row, False)  # fmt: skip
                     constraint(holders, other, threads.gain, stepping.work, record.hold, row, False, True)
@@ -392,8 +396,7 @@ class LargeMotion(Changing):
 
     def __init__(
         self, mesh: Mesh, position: Array, rest: Array, moving_loads: MovingLoads, step: float, q: Array,
-        inner: int = 1,
-        inertia: float = 1.0, *, space: bool = False,
+        inner: int = 1, inertia: float = 1.0, *, space: bool = False,
     ) -> None:  # fmt: skip
         self.mesh, self.moving_loads, self.rest, axes = mesh, moving_loads, rest, [0, 1, 2] if space else [0, 2]
         self.inertia, self.inner = inertia, inner
@@ -479,16 +482,14 @@ class LargeMotion(Changing):
     def go(self, inputs: StepInputs, steps: int = 1) -> Record:
         """Go on by the rows of the drive but the last, `steps` steps each."""
         plan = self.mesh.plan
-        record = Record.of(
-            inputs.station.shape[0] - 1, self.moving_loads, len(plan.ties), len(plan.holds), self.watched
-        )
+        count = inputs.station.shape[0] - 1
+        record = Record.of(count, self.moving_loads, len(plan.ties), len(plan.holds), self.watched)
         strain = self.strain(self._r[0])
         strain[self.mesh.strands.first + self.mesh.strands.links] = 0.0
         small = bool(np.abs(strain).max() < 0.5 * SMALL_STRAIN)
         arguments = (
             self.mesh.strands, self.threads, self.link_springs, self.holders, self.watched, self.moving_loads,
-            self.stepping,
-            self._level, self._slope, *self._r, *self._buffers, small, self.inner, inputs, record, steps,
+            self.stepping, self._level, self._slope, *self._r, *self._buffers, small, self.inner, inputs, record, steps,
             sweeps_of(self.moving_loads, self.holders.fast), self._w,
         )  # fmt: skip
         if self._advance is None:

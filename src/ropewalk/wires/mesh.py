@@ -21,6 +21,7 @@ FEWEST_LINKS = 8
 _CELL = 80  # links in which the local compliance is found; it decays within a few
 _FRACTIONS = np.linspace(0.0, 0.5, 6)  # of a link, where it is found
 _AT_NODE = 1e-6  # links
+_NO_PULL = 1e-12  # of what a clamp takes over: nothing
 _STIFF = 5.0  # links: where sqrt(EI / T) is longer, a wire is a beam on this mesh
 
 
@@ -56,13 +57,14 @@ class WireTies(NamedTuple):
 
     one: Places
     other: Places  # where `grounded`, the weights are zero
-    ground: Array  # (tie, 3) m, NaN where not grounded
+    ground: Array  # (tie, 3) m; where not grounded NaN, and how much farther aside the other wire is
     stiffness: Array
     pushes: Array
     damping: Array
     length: Array
     strength: Array  # N; inf: nothing tears it
     fails_at: Array  # s; inf: never
+    lengthwise: NDArray[np.bool_]  # (tie,) whether it pulls along the line
 
 
 class Holds(NamedTuple):
@@ -100,6 +102,14 @@ class Mesh(NamedTuple):
     extra: Integers  # (special,) control points that carry more than their wire
     ties: WireTies
     holds: Holds
+    relief: Array  # (node,) N, by which the link behind each node pulls less than its wire
+    sideways: Array  # (node,) N, constant forces along y
+
+    @property
+    def tension(self) -> Array:
+        """Tension along the chord at rest of the link behind each node, (node,) N (of last nodes: without meaning)."""
+        tension: Array = np.repeat(self.strands.tension, self.strands.links + 1) - self.relief
+        return tension
 
     @property
     def nodes(self) -> int:
@@ -177,7 +187,11 @@ def mesh_of(plan: WirePlan, element: float | list[int]) -> Mesh:
     extra = np.array(sorted(special), dtype=np.int64)
     holds = _holds(strands, plan)
     fixed, driven = _fixed(strands, plan, holds)
-    return Mesh(plan, strands, mass, own, fixed, driven, extra, _ties(strands, plan), holds)
+    relief, sideways = _relief(strands, plan), np.zeros_like(mass)
+    pulled = clamped_at(strands, [one.spot for one in plan.sideways])
+    for base, weight, one in zip(pulled.base, pulled.weight, plan.sideways, strict=True):
+        sideways[base : base + WIDTH] += weight * one.force
+    return Mesh(plan, strands, mass, own, fixed, driven, extra, _ties(strands, plan), holds, relief, sideways)
 
 
 def places_of(strands: WireRuns, spots: Sequence[Spot]) -> Places:
@@ -280,7 +294,8 @@ def _column(values: list[float]) -> Array:
 
 def _ties(strands: WireRuns, plan: WirePlan) -> WireTies:
     ties = plan.ties
-    ground = np.array([(np.nan,) * 3 if isinstance(tie.other, Spot) else tie.other for tie in ties]).reshape(-1, 3)
+    apart = [(np.nan, tie.aside, np.nan) if isinstance(tie.other, Spot) else tie.other for tie in ties]
+    ground = np.array(apart, dtype=np.float64).reshape(-1, 3)
     one = clamped_at(strands, [tie.spot for tie in ties])
     other = clamped_at(strands, [tie.other if isinstance(tie.other, Spot) else tie.spot for tie in ties])
     other.weight[np.isfinite(ground[:, 0])] = 0.0
@@ -288,7 +303,20 @@ def _ties(strands: WireRuns, plan: WirePlan) -> WireTies:
         one, other, ground, _column([tie.stiffness for tie in ties]), _column([tie.pushes for tie in ties]),
         _column([tie.damping for tie in ties]), _column([tie.length for tie in ties]),
         _column([tie.strength for tie in ties]), _column([tie.fails_at for tie in ties]),
+        np.array([tie.lengthwise for tie in ties], dtype=np.bool_),
     )  # fmt: skip
+
+
+def _relief(strands: WireRuns, plan: WirePlan) -> Array:
+    """What links behind nodes pull less: at a clamp each node takes its share of the pull along the line, (node,) N."""
+    out = np.zeros(int((strands.links + 1).sum()))
+    for relief in plan.reliefs:
+        ends, step = clamped_at(strands, (relief.start, relief.end)), np.zeros_like(out)
+        for sign, base, weight in zip((1.0, -1.0), ends.base, ends.weight, strict=True):
+            step[base : base + WIDTH] += sign * relief.tension * weight
+        less = np.cumsum(step)
+        out += np.where(np.abs(less) > _NO_PULL * relief.tension, less, 0.0)
+    return out
 
 
 def _holds(strands: WireRuns, plan: WirePlan) -> Holds:

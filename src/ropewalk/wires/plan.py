@@ -29,7 +29,7 @@ class Wire:
     name: str
     start: tuple[float, float, float]  # m
     end: tuple[float, float, float]  # m
-    tension: float  # N, along the chord at rest
+    tension: float  # N, along the chord at rest, but for what reliefs take over
     mass: float  # kg/m
     bending_stiffness: float = 0.0  # EI, N m^2
     axial_stiffness: float = 1e9  # EA, N; unknown to small motion
@@ -107,6 +107,25 @@ class WireTie:
     mass: float = 0.0  # kg, half of which goes to each end
     strength: float = np.inf  # N, pull that tears it
     fails_at: float = np.inf  # s
+    aside: float = 0.0  # m, how much farther to the left the other wire is than its coordinates say
+    lengthwise: bool = False  # whether it is the last piece of a wire, which pulls another one along the line
+
+
+@dataclass(frozen=True)
+class SideForce:
+    """A constant force sideways."""
+
+    spot: Spot
+    force: float  # N, along y
+
+
+@dataclass(frozen=True)
+class Relief:
+    """A piece of a wire beside which another one, clamped to it at both ends, takes over a part of its tension."""
+
+    start: Spot
+    end: Spot
+    tension: float  # N, by which that of the wire is less there at rest
 
 
 def nothing(stations: Array) -> Array:
@@ -161,5 +180,7 @@ class WirePlan:
     ties: tuple[WireTie, ...] = ()
     holds: tuple[Hold, ...] = ()
     masses: tuple[PointMass, ...] = ()
+    reliefs: tuple[Relief, ...] = ()
+    sideways: tuple[SideForce, ...] = ()
     gravity: float = 9.81  # m/s^2, downwards
     watched: dict[str, Spot] = field(default_factory=dict)  # points whose height is recorded closely, by name

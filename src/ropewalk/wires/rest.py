@@ -19,6 +19,7 @@ from ropewalk.wires.spline import WIDTH
 _MOST_STEPS = 60
 # Heights are found to this part of the longest wire; forces follow from them.
 _CLOSE = 1e-13
+_SOFT = 1.0  # N/m, with which wires that hang from others are held until it is known how these hold them
 _RIGID = 1e-12  # m/N: what yields less is taken to yield by this
 ROUNDING = 1e-12  # of an instant
 
@@ -36,11 +37,11 @@ class WiresAtRest:
 
 def vertical_stiffness(mesh: Mesh) -> sparse.csr_matrix:
     """Stiffness of all wires against vertical displacements, (node, node) N/m, without what is attached."""
-    s, taut = mesh.strands, []
-    for n, h, T in zip(s.links, s.h, s.tension, strict=True):
+    s, taut, tension = mesh.strands, [], mesh.tension
+    for a, (n, h) in enumerate(zip(s.links, s.h, strict=True)):
         one = np.ones(n + 1)
         slope = sparse.diags([-one, one], [0, 1], shape=(n, n + 1))
-        taut.append(T / h * (slope.T @ slope))
+        taut.append(slope.T @ sparse.diags(tension[mesh.of(a)][:-1] / h) @ slope)
     return sparse.csr_matrix(sparse.block_diag(taut) + bending_stiffness(mesh) + sparse.diags(beds(mesh)))
 
 
@@ -144,7 +145,9 @@ def rest_of(mesh: Mesh) -> WiresAtRest:
     K = K + H.T @ sparse.diags(stiff) @ H
     size = float(mesh.strands.h @ mesh.strands.links)
     constraint, local, level = H[fast], holds.at.local[fast], holds.place[fast, 2]
-    z += _solve(K, constraint, local, free, load - K @ z, level - constraint @ z)[0]
+    hanging = rows(ties.one, mesh.nodes)[ties.lengthwise]
+    first = K + _SOFT * (hanging.T @ hanging)
+    z += _solve(first, constraint, local, free, load - K @ z, level - constraint @ z)[0]
     pull, slack = ties_springs(mesh)
     for _ in range(_MOST_STEPS):
         rise = A @ z + ground
@@ -182,6 +185,7 @@ def ties_springs(mesh: Mesh) -> tuple[Array, Array]:
     """Stiffness of ties between splines when pulled and when pushed, N/m."""
     ties = mesh.ties
     local = ties.one.local + np.where(np.isfinite(ties.ground[:, 0]), 0.0, ties.other.local)
+    local = np.where(ties.lengthwise, 0.0, local)  # across a wire, not along it
     return spring(ties.stiffness, local), spring(ties.pushes, local)
 
 
@@ -191,10 +195,10 @@ def hung(mesh: Mesh, position: Array) -> Array:
     Args:
         position: (3, node) m at rest.
     """
-    rest = np.ones(mesh.nodes)
+    rest, tension = np.ones(mesh.nodes), mesh.tension
     for a, wire in enumerate(mesh.plan.wires):
         part = mesh.of(a)
         step = np.diff(position[:, part], axis=1)
         length = np.sqrt((step**2).sum(axis=0))
-        rest[part][:-1] = length / (1.0 + wire.tension * length / step[0] / wire.axial_stiffness)
+        rest[part][:-1] = length / (1.0 + tension[part][:-1] * length / step[0] / wire.axial_stiffness)
     return rest

@@ -79,6 +79,18 @@ def _along_bare(now, felt, other, g, e, low, high, keep, t, b, bed):
 
 
 @inlined
+def _relieve(strands, stencil, window, now, other):
+    """Take back what wires have pulled too much where others take over a part of their tension."""
+    for p in range(stencil.relieved.shape[0]):
+        a, first = stencil.relieved[p, 0], strands.first[stencil.relieved[p, 0]]
+        low = max(stencil.relieved[p, 1], first + window.low[a])
+        high = min(stencil.relieved[p, 2], first + window.high[a])
+        for k in range(low, high):
+            more = stencil.relief[k - 1] * (now[k] - now[k - 1]) - stencil.relief[k] * (now[k + 1] - now[k])
+            other[k] += stencil.gain[k] * more
+
+
+@inlined
 def _end(now, felt, other, gain, e, d, keep, keep_end, t, b, bed, clamped):
     """The same for the control point e at an end, and for its neighbour e + d."""
     i = e + d
@@ -205,6 +217,7 @@ def _move(strands, stencil, window, now, other, buffers, dt):
             _end(now, felt, other, gain, i, 1, keep, stencil.keep_end[2 * a], t, b, bed, strands.clamped[a, 0])
         if high > n - 1:
             _end(now, felt, other, gain, i + n, -1, keep, stencil.keep_end[2 * a + 1], t, b, bed, strands.clamped[a, 1])
+    _relieve(strands, stencil, window, now, other)
 
 
 @lean_inner

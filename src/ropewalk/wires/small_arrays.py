@@ -70,6 +70,8 @@ class Stencil(NamedTuple):
     saved: Array  # (laden,) room
     mass: Array  # (node,) kg, of which drag takes its part
     damped: bool  # whether any wire is
+    relief: Array  # (node,) N/m, by which the link behind a node pulls less than its wire, over its length
+    relieved: Integers  # (piece, 3) pieces of wires where that is so: the wire, its first node there, and one beyond
 
 
 def _nodes(base: Integers, weight: Array) -> Integers:
@@ -123,5 +125,15 @@ def stencil_of(mesh: Mesh, step: float) -> Stencil:
     return Stencil(
         bending, gain, (2.0 - slow) / slow, (2.0 - slow_end) / slow_end, bare, np.array(laden, dtype=np.int64),
         np.array(first, dtype=np.int64), np.zeros(len(laden)), without_supports(mesh),
-        bool(s.drag.any() or s.retardation.any()),
+        bool(s.drag.any() or s.retardation.any()), mesh.relief / np.repeat(s.h, s.links + 1), _relieved(mesh),
     )  # fmt: skip
+
+
+def _relieved(mesh: Mesh) -> Integers:
+    """Pieces of wires with less tension, (piece, 3): the wire, the first node that feels it, one beyond the last."""
+    found = []
+    for a in range(mesh.strands.first.size):
+        first, less = int(mesh.strands.first[a]), np.flatnonzero(mesh.relief[mesh.of(a)])
+        for piece in np.split(less, 1 + np.flatnonzero(np.diff(less) > 1)) if less.size else ():
+            found.append((a, first + int(piece[0]), first + int(piece[-1]) + 2))
+    return np.array(found, dtype=np.int64).reshape(-1, 3)

@@ -210,7 +210,9 @@ def damping_of(potential: WirePotential, mesh: Mesh, r: Array, shape: Array) -> 
     nodes = [int(n) + 1 for n in s.links]
     drag = np.repeat(s.drag, nodes) * mesh.own
     late = sparse.diags(np.repeat(s.retardation, nodes))
-    felt = late @ (vertical_stiffness(mesh) - sparse.diags(beds(mesh)))  # tension and bending, of all components alike
+    # Tension and bending, of all components alike; all of a wire's tension, as in motion, whatever reliefs take over.
+    whole = mesh._replace(relief=np.zeros_like(mesh.relief))
+    felt = late @ (vertical_stiffness(whole) - sparse.diags(beds(mesh)))
     hold, restrained = rows(holds.at, mesh.nodes), np.einsum("hja,hj,hjb->abh", holds.axes, holds.damping, holds.axes)
     tie, way = _stretched(potential, mesh, r)[:2]
     c = np.where(_stretched(potential, mesh, shape)[3], ties.damping, 0.0)

@@ -22,7 +22,7 @@ class LinkSprings(NamedTuple):
     one: Integers  # (spring,) first node of the one end, and of the other
     other: Integers
     weight: Array  # (spring, 2, WIDTH) of both ends
-    place: Array  # (spring, 3) m, of the ground; NaN where the other end is on a wire
+    place: Array  # (spring, 3) m, of the ground; where the other end is on a wire NaN, and how much farther aside
     aside: Array  # (spring,) m sideways from the one end to the other, in the plane
     length: Array  # m unstrained
     pull: Array  # N/m
@@ -34,6 +34,8 @@ class LinkSprings(NamedTuple):
     fails_at: Array  # s
     failed: Array  # (spring, 2) when it did, s, and under which force, N; infinite: it has not
     steady: Array  # (spring, 2) N on the one end at rest, sideways and upwards: put on all the time, and not as pushes
+    slow: Integers  # springs that push once a step; they stand across the wires
+    fast: Integers  # springs along the wires, which go with the wires' own steps; nothing of theirs is steady
 
 
 def link_springs_of(mesh: Mesh, position: Array) -> LinkSprings:
@@ -44,11 +46,12 @@ def link_springs_of(mesh: Mesh, position: Array) -> LinkSprings:
     away += np.where(np.isfinite(ties.ground), ties.ground, 0.0)
     last = np.sqrt((away**2).sum(axis=1))
     longer = last - ties.length
-    pulls = np.where(longer > 0.0, pull, push) * longer / last
+    pulls = np.where(ties.lengthwise, 0.0, np.where(longer > 0.0, pull, push) * longer / last)
     return LinkSprings(
         ties.one.base, ties.other.base, np.stack([ties.one.weight, ties.other.weight], axis=1), ties.ground,
         away[:, 1].copy(), ties.length, pull, push, ties.damping, last, np.zeros_like(last),
         ties.strength, ties.fails_at * (1.0 - ROUNDING), np.full((last.size, 2), np.inf), pulls[:, None] * away[:, 1:],
+        np.flatnonzero(~ties.lengthwise), np.flatnonzero(ties.lengthwise),
     )  # fmt: skip
 
 
@@ -85,18 +88,12 @@ def _stored(link_springs, e, size):
 
 
 @inlined
-def add_tie_forces(link_springs, now, other, gain, stepping, found, row, step, t):
-    """What ties do during a step, which begins at t in s."""
-    dt, axes, weight, length, last = (
-        stepping.step,
-        now.shape[0],
-        link_springs.weight,
-        link_springs.length,
-        link_springs.last,
-    )
+def add_tie_forces(link_springs, which, now, other, gain, dt, work, found, row, noted, t):
+    """What some of the ties do during a step of dt in s, which begins at t in s."""
+    axes, weight, length, last = now.shape[0], link_springs.weight, link_springs.length, link_springs.last
     steady, failed = link_springs.steady, link_springs.failed
     x, z, out_x, out_z = now[0], now[axes - 1], other[0], other[axes - 1]
-    for e in range(link_springs.one.size):
+    for e in which:
         i, j = (
             np.uint64(link_springs.one[e]),
             np.uint64(link_springs.other[e]),
@@ -104,25 +101,25 @@ def add_tie_forces(link_springs, now, other, gain, stepping, found, row, step, t
         dx, dy, dz = link_springs.place[e, 0], link_springs.place[e, 1], link_springs.place[e, 2]
         if np.isnan(dx):
             dx, dz = _height(x, j, weight, e, 1), _height(z, j, weight, e, 1)
-            dy = _height(now[1], j, weight, e, 1) if axes == 3 else 0.0
+            dy = _height(now[1], j, weight, e, 1) + dy if axes == 3 else 0.0
         dx, dz = dx - _height(x, i, weight, e, 0), dz - _height(z, i, weight, e, 0)
         dy = dy - _height(now[1], i, weight, e, 0) if axes == 3 else link_springs.aside[e]
         size = np.sqrt(dx * dx + dy * dy + dz * dz)
         whole = failed[e, 0] == np.inf
         c = link_springs.damping[e] if whole else 0.0
         rate, before = (size - last[e]) / dt, link_springs.rate[e]
-        stepping.work[DAMPED] += 0.5 * c * before * (before + rate) * dt
+        work[DAMPED] += 0.5 * c * before * (before + rate) * dt
         if size > length[e]:
             N, link_springs.rate[e] = link_springs.pull[e] * (size - length[e]) + c * rate, rate
         else:
             N, link_springs.rate[e] = link_springs.push[e] * (size - length[e]), 0.0
         if whole and (link_springs.strength[e] < N or t >= link_springs.fails_at[e]):
             failed[e, 0], failed[e, 1], whole = t, N, False
-            stepping.work[DAMPED] += 0.5 * (_stored(link_springs, e, size) + _stored(link_springs, e, last[e]))
+            work[DAMPED] += 0.5 * (_stored(link_springs, e, size) + _stored(link_springs, e, last[e]))
         if not whole:
             N = 0.0
         last[e] = size
-        if step == 0:
+        if noted:
             found[e, row] = N
         N /= size
         _give(out_x, gain[0], i, weight, e, 0, N * dx)

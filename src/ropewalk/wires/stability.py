@@ -12,14 +12,20 @@ SAFETY, SAFETY_ALONG = 0.9, 0.97  # nothing but the wire itself counts along it
 _SQUARES = 0.72  # the largest sum of squares of the weights of a spline
 
 
-def largest_step(mesh: Mesh, moving_loads: MovingLoads) -> float:
-    """A step in s that is stable for motion across, from bounds of all frequencies, which add up at worst."""
+def largest_step(mesh: Mesh, moving_loads: MovingLoads, *, along: bool = False) -> float:
+    """A step in s that is stable for motion across, from bounds of all frequencies, which add up at worst.
+
+    Args:
+        mesh: the wires.
+        moving_loads: what travels.
+        along: whether ties along the line are seen to by the steps of motion along it.
+    """
     s = mesh.strands
     T, m = np.maximum(s.tension, 0.0), s.rho * s.h
     bending = s.stiffness + T * s.h**2 / 12.0
     across = (4.0 * T / s.h + 16.0 * bending / s.h**3 + s.bed * s.h) / m
     lightest = float(m.min())
-    total = across + _attached(mesh, lightest) + _at_ends(mesh) + _loaded(mesh, moving_loads, lightest)
+    total = across + _attached(mesh, lightest, along) + _at_ends(mesh) + _loaded(mesh, moving_loads, lightest)
     # omega^2 (dt^2 + 2 beta dt) + 2 c / m dt < 4 for each wire
     late = s.retardation + _damped(mesh, moving_loads, lightest) / total
     steps = np.sqrt(4.0 / total + late**2) - late
@@ -31,15 +37,28 @@ def largest_step_along(mesh: Mesh, inertia: float = 1.0) -> float:
     s = mesh.strands
     EA = np.array([wire.axial_stiffness for wire in mesh.plan.wires])
     square = (4.0 * EA / s.h + 16.0 * s.stiffness / s.h**3) / (s.rho * s.h) / inertia + _at_ends(mesh) / inertia
+    square += _lengthwise(mesh) / inertia
     return SAFETY_ALONG * float(2.0 / np.sqrt(square.max()))
 
 
-def _attached(mesh: Mesh, lightest: float) -> float:
+def _attached(mesh: Mesh, lightest: float, along: bool) -> float:
     """Bound of what ties and holds add to the square of a frequency; two neighbours may share nodes."""
     inside = (mesh.holds.node < 0)[:, None] & ~np.isinf(mesh.holds.stiffness)
     restrained = np.where(inside, spring(mesh.holds.stiffness, mesh.holds.at.local[:, None]), 0.0)
-    stiff = [0.0, *ties_springs(mesh)[0], *restrained.ravel()]
+    stiff = [0.0, *ties_springs(mesh)[0][~(mesh.ties.lengthwise & along)], *restrained.ravel()]
     return 2.0 * _SQUARES * float(max(stiff)) / lightest
+
+
+def _lengthwise(mesh: Mesh) -> float:
+    """The same of ties along the line, which join wires end to end: what the masses at both ends add up to."""
+    found = [0.0]
+    for e in np.flatnonzero(mesh.ties.lengthwise):
+        light = 0.0
+        for end in (mesh.ties.one, mesh.ties.other):
+            near = slice(int(end.base[e]), int(end.base[e]) + end.weight.shape[1])
+            light += float((end.weight[e] ** 2 / mesh.mass[near]).sum())
+        found.append(float(mesh.ties.stiffness[e]) * light)
+    return max(found)
 
 
 def _at_ends(mesh: Mesh) -> float:

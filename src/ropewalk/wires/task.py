@@ -55,6 +55,7 @@ class WireTask:
     space: bool = False  # whether anything moves sideways
     external_models: tuple[WireExternalModel, ...] = ()  # who of the prescribed motions are external models
     near: tuple[Array, ...] | None = None  # near rest, of each wire: (3, node) m; needed where wires run aside
+    bow: Array | None = None  # (node,) m sideways, from where wires are computed to where results show them, on curves
     diagnostics: tuple[str, ...] = ()  # what one should know of it
     with_loads: bool = False  # whether the wires begin at rest with what travels on them
     # From wires at rest without loads to positions and velocities (3, node) in m and m/s that they begin with.
