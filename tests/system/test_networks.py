@@ -460,13 +460,14 @@ def test_a_turned_network_moves_as_the_network_turned(mirrored: bool) -> None:
     assert one.energy.values == pytest.approx(two.energy.values, abs=1e-6)
 
 
-def test_what_is_in_a_plane_stays_there_exactly() -> None:
+def test_what_is_in_a_plane_stays_there() -> None:
+    """To rounding: where lines as drawn push, rest is looked for aside, too."""
     lines, _ = three_cables(True)
     flat = {name: {**line, "start": [line["start"][0], 0.0, line["start"][2]]} for name, line in lines.items()}
     load = {"kind": "force", "on": "c0", "force": [5.0, 0.0, -30.0], "travel": {"speed": 4.0, "from": 1.0}}
     result = run_of(flat, {"kind": "dynamic", "until": 0.2}, joints={"knot": {"mass": 1.0}}, loads={"p": load},
                     wind={"direction": [0.0, 1.0, 0.0], "speed": 0.0})  # fmt: skip
-    assert np.abs(result.position.sel(axis="y").values).max() == 0.0
+    assert np.abs(result.position.sel(axis="y").values).max() < 1e-20
 
 
 def test_a_mirrored_travel_gives_the_mirrored_answer() -> None:

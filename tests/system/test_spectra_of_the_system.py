@@ -15,8 +15,7 @@ from motion_cases import order
 from ropewalk.model import Scenario
 from ropewalk.simulate import spectrum_of
 from ropewalk.system.air import damping_by_wind
-from ropewalk.system.rest import at_rest
-from ropewalk.system.still import _add_wind_forces
+from ropewalk.system.rest import _add_wind_forces, at_rest
 from ropewalk.system.structure import Buffers
 from ropewalk.system.structures import structure_of
 

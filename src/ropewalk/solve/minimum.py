@@ -23,6 +23,8 @@ _LONGEST = 0.1
 _CLOSE, _ALMOST = 1e-11, 1e-8
 # Of the largest stiffness: what rounding may take from the smallest one, which a structure free to slide has none of.
 _NEUTRAL = 1e-12
+# Part of the largest component of a mode below which it is rounding.
+_IN_PLANE = 1e-9
 # Of the largest stiffness times the size: forces that rounding makes; and how many shapes in a row with no others tell
 # that nothing but that is left.
 _ROUNDING, _STALLED = 4.0 * np.finfo(np.float64).eps, 5
@@ -107,7 +109,8 @@ def _among(rests: Rests, potential: Potential, start: Array, way: Way) -> Array:
 
     def found() -> Array:
         shape = _settle(potential, start, way)
-        moved = np.asarray(potential.free.T @ (shape - start).ravel())
+        free = potential.free  # several nodes may go with one unknown
+        moved = sparse.linalg.splu((free.T @ free).tocsc()).solve(np.asarray(free.T @ (shape - start).ravel()))
         if not np.abs(potential.moved(start, moved) - shape).max() <= _CLOSE * potential.size:
             raise NotBesideError("the structure is another one at rest than where it began")
         return moved
@@ -295,7 +298,7 @@ def _off_saddle(potential: Potential, r: Array) -> Array:
     K, unknowns = potential.stability(r)
     energy, step = potential.energy(r), np.zeros(potential.out_of_balance(r).size)
     curved = modes(K, np.ones(K.shape[0]), 1)[1][:, 0]
-    curved = np.where(np.abs(curved) > _NEUTRAL * np.abs(curved).max(), curved, 0.0)  # what is in a plane stays there
+    curved = np.where(np.abs(curved) > _IN_PLANE * np.abs(curved).max(), curved, 0.0)  # what is in a plane stays
     step[unknowns] = potential.size * curved / np.abs(curved).max()
     for far in _LEAPS:
         for side in (far, -far):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from copy import copy
 
 import numpy as np
 
@@ -46,7 +47,26 @@ def least(potential: SystemPotential, start: Array, *, close: bool = False) -> A
     """
     if potential.structure.taut is not None:
         return constrained.settle(potential, start)
-    return (minimum.nearest if close else minimum.settle)(potential, start)
+    if close:
+        return minimum.nearest(potential, start)
+    try:
+        return minimum.settle(potential, start)
+    except EquilibriumError:
+        if (firm := _pushing(potential)) is None:
+            raise
+        return minimum.settle(potential, minimum.settle(firm, start))
+
+
+def _pushing(potential: SystemPotential) -> SystemPotential | None:
+    """The same with links that push where theirs are slack, and so without any stiffness; None if none are."""
+    runs, found = potential.structure.runs, copy(potential)
+    pulls = (runs.law[:, 0] == law.CUBIC) & (runs.law[:, 1] > law.NO_FLOOR)
+    if not pulls.any():
+        return None
+    rows = runs.law.copy()
+    rows[pulls, 1] = law.NO_FLOOR
+    found.structure = potential.structure._replace(runs=runs._replace(law=rows))
+    return found
 
 
 def at_rest(structure: Structure, gravity: Array, start: Array, *, within: bool = False) -> tuple[Structure, Array]:
