@@ -45,7 +45,8 @@ _PATTERNS = {
     },
     MISSING: {
         "a winch pulls in motions with all geometry": rf"a winch {_NOT}|: {_NOT} lines that a winch pulls at",
-        "loads on networks, nets and in wind: forces, masses, footsteps": rf"loads\.[^.:]*\.kind: {_NOT} (joined|lines over sheaves)",
+        "loads on networks, nets and in wind: forces, masses, footsteps":
+            rf"loads\.[^.:]*\.kind: {_NOT} (joined|lines over sheaves)",
         "loads on lines with bending stiffness: no trolleys and walkers":
             rf"(loads\.[^.:]*\.kind|lines\.[^:]*): {_NOT} beams",
         "loads on stiff and overhead lines do not stay at an end": rf"\.travel\.at_end: {_NOT} beams",
