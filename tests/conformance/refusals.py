@@ -27,7 +27,6 @@ _PATTERNS = {
         "small motion is about a straight line, no buckled one": r"a line longer than its chord is a strut",
         "a train runs along a line, and a net has none": r"a train runs along a line, and a net has none",
         "a line of few links has no such mode": r"its nodes cannot show so many half waves",
-        "nothing holds a load that does not rub there": r"nothing holds a load there",
         "without gravity nothing hangs": r"without gravity nothing hangs",
         "a net has no axis to whirl about": r"a net has no axis to whirl about",
         "what moves a line everywhere leaves nothing to stand still":
