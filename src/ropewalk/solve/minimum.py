@@ -110,7 +110,8 @@ def _among(rests: Rests, potential: Potential, start: Array, way: Way) -> Array:
     def found() -> Array:
         shape = _settle(potential, start, way)
         free = potential.free  # several nodes may go with one unknown
-        moved = sparse.linalg.splu((free.T @ free).tocsc()).solve(np.asarray(free.T @ (shape - start).ravel()))
+        solve = sparse.linalg.splu((free.T @ free).tocsc())
+        moved = np.asarray(solve.solve(np.asarray(free.T @ (shape - start).ravel())))
         if not np.abs(potential.moved(start, moved) - shape).max() <= _CLOSE * potential.size:
             raise NotBesideError("the structure is another one at rest than where it began")
         return moved
