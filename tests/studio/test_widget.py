@@ -15,6 +15,7 @@ import xarray as xr
 
 import ropewalk
 from ropewalk.errors import RopewalkError
+from ropewalk.results.drawn import drawn_position
 from ropewalk.scenario import loads
 from ropewalk.studio import widget
 from ropewalk.studio.share import PAGE, built
@@ -37,7 +38,7 @@ def test_the_data_are_inside(result: xr.Dataset) -> None:
     state = shown.get_state()
     arrays = [unpacked(message)[1] for message in state["messages"][1:]]
     shapes = np.concatenate([one["position"] for one in arrays])
-    np.testing.assert_array_equal(shapes, result.position.values.astype("f4"))
+    np.testing.assert_array_equal(shapes, drawn_position(result).astype("f4"))
     assert state["ended"]["outcome"] == result.attrs["outcome"] == "completed"
     assert (state["height"], state["beside_messages"]) == (500, [])
     assert "http" not in shown._esm.replace("http://www.w3.org", "")  # nothing is asked of anywhere
