@@ -51,15 +51,16 @@ def test_a_rope_bends_under_a_force_as_the_elastic_catenary(at: float) -> None:
     assert order([4.0, 2.0, 1.0], places) == pytest.approx(2.0, abs=0.3)
 
 
-def test_a_force_that_goes_slowly_rests_everywhere_as_by_itself() -> None:
-    """Lines are divided anew only now and then on the way; what hangs on them is passed."""
+@pytest.mark.parametrize("positions", [12, 89])
+def test_a_force_that_goes_slowly_rests_everywhere_as_by_itself(positions: int) -> None:
+    """In short steps lines are divided anew only now and then; what hangs on them is passed."""
     hanger = {"start": [9, 6], "end": [9, 0], "length": 6.0, "mass": 0.2, "axial_stiffness": 1e4, "elements": 8,
               "end_support": {"kind": "joined", "to": "line", "at": 8.5}}  # fmt: skip
     lines = {"line": line(24), "hanger": hanger}
-    asked = {"lines": lines, "loads": {"p": force(0.4)}, "run": {"kind": "quasistatic", "positions": 12}}
+    asked = {"lines": lines, "loads": {"p": force(0.4)}, "run": {"kind": "quasistatic", "positions": positions}}
     result = simulate(Scenario.model_validate(asked))
     assert result.attrs["outcome"] == "completed"
-    for i in (3, 5, 8):
+    for i in (positions // 4, positions // 2, 2 * positions // 3):
         at = float(result.contact_xi.values[i, 0])
         alone = simulate(
             Scenario.model_validate({"lines": lines, "loads": {"p": force(at)}, "run": {"kind": "equilibrium"}})
