@@ -167,7 +167,7 @@ def doubt_slack(scenario: Scenario, run_info: RunInfo, on: Sequence[str], tensio
         if line.has_bending_stiffness:
             continue
         mine = np.array([own == name for own in on])
-        if not line.has_bending_stiffness and np.abs(tension[mine]).max() < _NOTHING * (line.axial_stiffness or 1.0):
+        if np.abs(tension[mine]).max() < _NOTHING * (line.axial_stiffness or 1.0):
             run_info.doubt(
                 f"line {name} is slack and has no weight: its shape at rest is one of many",
                 "it is longer than the way between what holds it, and gravity is 0", f"lines.{name}.length",

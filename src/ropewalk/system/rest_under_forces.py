@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -17,15 +16,13 @@ from ropewalk.model.load import AnyLoad, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import ENERGY_FORMS, MOVES, Contacts, Frame, Layout, RunInfo
-from ropewalk.solve.following import quasistatic_motion
 from ropewalk.system.assembly import contacts_of, refuse_beyond
-from ropewalk.system.doubts import doubt_slack
 from ropewalk.system.fixed_stations import FixedStations
 from ropewalk.system.frames import FrameBuilder, SystemNote
 from ropewalk.system.laid import Over
 from ropewalk.system.loaded_structure import Carried
+from ropewalk.system.slow_motion import SlowMotion, travelled
 from ropewalk.system.split_lines import AT_SHEAVE, LineForce, LineShape, SplitLines, SplitRest
-from ropewalk.system.still import schedule_of, travelled
 from ropewalk.system.structure import WORKS, SystemState
 from ropewalk.system.structures import structure_of
 
@@ -64,7 +61,7 @@ class _Loaded(NamedTuple):
     force: Array  # (contact, axis) N
 
 
-class RestUnderForces:
+class RestUnderForces(SlowMotion[_Loaded]):
     """A run without inertia: its layout, and its frames.
 
     Args:
@@ -97,26 +94,6 @@ class RestUnderForces:
     def layout(self) -> Layout:
         """Names and coordinates of the result."""
         return self._displayed.layout
-
-    def loaded(self) -> Frame:
-        """The only frame of an equilibrium: at rest with the loads at their start."""
-        frame = self._frame(self._rest(0.0, None), 0.0, 0.0)
-        doubt_slack(self._scenario, self._run_info, self.layout.link_line, frame.tension)
-        return frame
-
-    def slowly(self, positions: int, turn: float | None) -> Iterator[Frame]:
-        """Frames at equal steps of the path of the first load, until it has come to the end of its line.
-
-        Args:
-            positions: how many.
-            turn: rad, see `solve/following.py`.
-
-        Raises:
-            EquilibriumError: the first load has no way, or there is no rest with the loads somewhere on it.
-        """
-        way = schedule_of(self._scenario, self._carried, self._structure)
-        for at in quasistatic_motion(self._rest, self._places, *way, positions, turn):
-            yield self._frame(at.shape, at.path, at.t)
 
     def _rest(self, t: float, near: _Loaded | None) -> _Loaded:
         """Rest with all loads where they are at a time in s, next to another one."""
