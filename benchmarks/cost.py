@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tempfile
 import time as clock
+from collections.abc import Callable
 from copy import deepcopy
 from statistics import median
 
@@ -48,21 +49,28 @@ def rope(elements: int, damping: float) -> Scenario:
     )  # fmt: skip
 
 
-def nanoseconds(elements: int, method: str, damping: float) -> float:
-    """Median CPU time per node and step (one force evaluation for Verlet, eleven for RKN6) in ns."""
+def rope_steps(elements: int, method: str, damping: float) -> Callable[[], float]:
+    """What times some steps of one rope: CPU s of each (of Verlet; of RKN6 they are eleven force evaluations)."""
     setting = setting_of(rope(elements, damping), 1.0)
     state = start_state(setting, with_loads=False)
     limits = bounds(setting.strands, state.r, state.X, with_moving_loads=True)
     kicks, drifts = RKN6 if method == "rkn6" else VERLET
     step = RKN6_LIMIT / limits.frequency if method == "rkn6" else verlet_step(limits)
     count = max(min(int(WORK / elements / drifts.size), int(1.4 / step)), 20)
-    times = []
-    for _ in range(8):
+
+    def timed() -> float:
         now, buffers = state.copy(), ChainBuffers.for_state(state)
         start = clock.process_time()
         _, steps = advance(setting.strands, setting.loads, now, buffers, kicks, drifts, count * step, step, 10**9)
-        times.append((clock.process_time() - start) / steps / elements)
-    return 1e9 * median(times[1:])
+        return (clock.process_time() - start) / steps
+
+    return timed
+
+
+def nanoseconds(elements: int, method: str, damping: float) -> float:
+    """Median CPU time per node and step (one force evaluation for Verlet, eleven for RKN6) in ns."""
+    timed = rope_steps(elements, method, damping)
+    return 1e9 * median([timed() for _ in range(8)][1:]) / elements
 
 
 @njit(error_model="numpy", fastmath={"contract", "nsz"}, _nrt=False)
@@ -125,31 +133,39 @@ def joined_ropes(load: dict[str, object], elements: int) -> Scenario:
     })  # fmt: skip
 
 
-def microseconds(load: dict[str, object], elements: int) -> float:
-    """Median CPU time of a step of two joined ropes in us."""
+def joined_steps(load: dict[str, object], elements: int) -> Callable[[], float]:
+    """What times some steps of two joined ropes: CPU s of each."""
     moving = SystemMotion(joined_ropes(load, elements), RunInfo(), np.linspace(0.0, 0.5, 3))
-    system, count = moving._system(), 1000
-    begin, arguments = deepcopy(system.changing()), (*system.arguments, moving.run_info.step, count)
-    go, times = entry_of(motion.advance, arguments), []
-    for _ in range(20):
+    system, step = moving._system(), moving.run_info.step
+    count = max(min(int(WORK / 10 / elements), int(0.5 / step)), 20)  # while the load is on its line
+    begin, arguments = deepcopy(system.changing()), (*system.arguments, step, count)
+    go = entry_of(motion.advance, arguments)
+
+    def timed() -> float:
         system.put(begin)
         start = clock.process_time()
         go(*arguments)
-        times.append((clock.process_time() - start) / count)
-    return 1e6 * median(times[1:])
+        return (clock.process_time() - start) / count
+
+    return timed
 
 
 def joined() -> None:
-    """Print what a step of two joined ropes costs beside one of a single rope."""
-    print("\nA step of 400 links, us")
-    print(f"  one rope under a force {0.4 * nanoseconds(400, 'verlet', 0.0):6.2f}")
+    """Print what a node of two joined ropes costs in a step beside one of a single rope, timed in turns."""
     loads: dict[str, dict[str, object]] = {
         "force": {"kind": "force", "force": (0.0, -300.0)},
         "mass": {"kind": "mass", "mass": 30.0},
         "oscillator": {"kind": "oscillator", "mass": 30.0, "stiffness": 2e4, "damping": 100.0},
     }
-    for name, load in loads.items():
-        print(f"  two joined ropes, {name:10} {microseconds(load, 400):6.2f}", flush=True)
+    print("\nOne rope under a force and two joined ropes, ns per node and step, in turns; in brackets over one rope")
+    print(f"{'links':>8}{'one rope':>10}" + "".join(f"{name:>17}" for name in loads))
+    for elements in LINKS[:4]:
+        timed = [rope_steps(elements, "verlet", 0.0), *(joined_steps(load, elements) for load in loads.values())]
+        times = np.array([[one() for one in timed] for _ in range(30)][1:]) * 1e9 / elements
+        one, *others = np.median(times, axis=0)
+        ratios = np.median(times[:, 1:] / times[:, :1], axis=0)
+        row = "".join(f"{value:10.2f} ({ratio:.1f})" for value, ratio in zip(others, ratios, strict=True))
+        print(f"{elements:8}{one:10.2f}  {row}", flush=True)
 
 
 FIRST_RUN = """
