@@ -30,6 +30,7 @@ from ropewalk.model.people import with_people
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_of
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.train import Train
+from ropewalk.results.files import open_result
 from ropewalk.results.frame import SPLINE, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.running import Known, MotionEngine, Run, StaticEngine, Statics, TimeHistory, followed
@@ -49,7 +50,7 @@ Seen = Callable[[Layout, Frames, RunInfo], None]
 def simulate(
     scenario: Scenario, *, file: Path | None = None, overwrite: bool = False,
     progress: Callable[[float], None] | None = None, seen: Seen | None = None,
-    begun: Callable[[Run, RunInfo], None] | None = None,
+    begun: Callable[[Run, RunInfo], None] | None = None, opened: Callable[[Path], xr.Dataset] = open_result,
 ) -> xr.Dataset:  # fmt: skip
     """Run a scenario.
 
@@ -62,6 +63,7 @@ def simulate(
         seen: called with the layout, with frames as they come and with how the run goes, to look at it meanwhile.
         begun: called with a run that is ready to begin and with what is known of it then; not with those of several
             meshes.
+        opened: what opens the file at the end.
 
     Returns:
         The result; its attributes hold the outcome, advice, the method and why it was chosen. A run that breaks
@@ -84,7 +86,7 @@ def simulate(
     watch = Clock()
 
     def recorded(asked: Scenario, run: Run, run_info: RunInfo) -> xr.Dataset:
-        with Recorder(run.layout, asked, run_info, file, run=run) as recorder:
+        with Recorder(run.layout, asked, run_info, file, run=run, opened=opened) as recorder:
             return record(run, recorder, run_info, watch, progress, seen)
 
     if is_asked_for(scenario.parts):

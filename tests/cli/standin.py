@@ -20,14 +20,14 @@ from ropewalk.results import Recorder, RunInfo
 ADVICE = "try a smaller step"
 
 
-def simulate(scenario, *, file=None, overwrite=False, progress=None, begun=None):
+def simulate(scenario, *, file=None, overwrite=False, progress=None, begun=None, opened=None):
     run_info = RunInfo(method="rkn6", reason="undamped", step=1e-3, steps=181, wall_seconds=0.5)
     if scenario.title == "no equilibrium":
         raise EquilibriumError("the line is shorter than the distance of its ends")
     if scenario.title == "fault":
         raise ZeroDivisionError("float division by zero")
     plan = wave.layout()
-    recorder = Recorder(plan, scenario, run_info, file)
+    recorder = Recorder(plan, scenario, run_info, file, opened=opened)
     try:
         for count, frame in enumerate(wave.frames(plan, np.linspace(0.0, 1.8, 61))):
             if scenario.title == "no force":

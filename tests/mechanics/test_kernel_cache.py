@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from ropewalk.mechanics import kernel_cache
@@ -169,3 +170,38 @@ def test_processes_that_keep_kernels_at_once_do_not_mix_them_up(tmp_path, monkey
     kinds = ("int64", "float64")
     assert all(third.load(kind) in (None, f"code for {kind}") for kind in kinds)
     assert any(third.load(kind) is not None for kind in kinds)
+
+
+def test_what_is_compiled_beside_a_kernel_from_the_cache_is_as_it_would_be_alone(program):
+    """Loading reads nothing in that only the compiler needs; the compiler still finds it."""
+    more = (
+        "import sys\nsys.path.insert(0, '.')\nimport numpy as np\nfrom one import kernel, outer\n\n"
+        "@kernel\ndef other(x):\n    a = np.arange(x)\n    return outer(x) + a[1:].sum()\n\n"
+        "print(other(4), sum(outer.stats.cache_hits.values()))\n"
+    )
+    (program / "two.py").write_text(more)
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(program / "cache")}
+    found = subprocess.run(
+        [sys.executable, "two.py"], cwd=program, env=environment, capture_output=True, text=True, check=True
+    )
+    assert found.stdout.splitlines() == ["8 1", "16 1"]
+
+
+def test_an_array_is_computed_once_and_kept(tmp_path, monkeypatch):
+    monkeypatch.setattr(kernel_cache, "folder", lambda: tmp_path)
+    made = []
+
+    def make():
+        made.append(1)
+        return np.arange(6.0).reshape(2, 3) / 7.0
+
+    first, second = (kernel_cache.kept("table", (2, 3), make) for _ in range(2))
+    assert len(made) == 1
+    np.testing.assert_array_equal(first, second)
+    second[0, 0] = 5.0  # it may be written to
+    (tmp_path / "table").write_bytes((tmp_path / "table").read_bytes()[:-1] + b"x")
+    np.testing.assert_array_equal(kernel_cache.kept("table", (2, 3), make), first)
+    assert len(made) == 2  # spoilt
+    np.testing.assert_array_equal(kernel_cache.kept("table", (2, 3), make), first)
+    assert len(made) == 2
+    assert [path.name for path in tmp_path.iterdir()] == ["table"]

@@ -6,6 +6,9 @@ from collections.abc import Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ropewalk.chains.beginning import initial_state
 from ropewalk.chains.frames import ChainFrameBuilder, layout_of
 from ropewalk.checkpoint import Tree, copied
@@ -127,10 +130,14 @@ class Chain:
         if not self._builder.together:
             return Frames.together(notes)
         frames = self._builder.build_many([state for state, _ in notes])
-        for frame, (_, goes_on) in zip(frames, notes, strict=True):
-            if goes_on:
-                self._remark(frame)
+        for i in np.flatnonzero([goes_on for _, goes_on in notes] & self._is_odd(frames)).tolist():
+            self._remark(frames[i])
         return frames
+
+    def _is_odd(self, frames: Frames) -> NDArray[np.bool_]:
+        """Frames of lines without bodies of which something may be to be remarked, (instant,)."""
+        needed, given = frames.of["contact_friction"], self.setting.loads.friction
+        return np.asarray((frames.of["tension"] < 0.0).any(axis=1) | (needed > given).any(axis=1))
 
     def _remark(self, frame: Frame) -> None:
         """Note what one should know of a frame of the motion."""

@@ -145,11 +145,14 @@ def run(
         displayed = display_units(units)
         check_target(target)
         replaced = " (replaced)" if target.exists() else ""
+        from ropewalk.results.arrays import open_arrays
         from ropewalk.simulate import simulate
 
         with progress_of_run(scenario, quiet) as progress:
             begun = None if quiet else foretell(scenario)
-            dataset = simulate(scenario, file=target, overwrite=overwrite, progress=progress, begun=begun)
+            dataset = simulate(
+                scenario, file=target, overwrite=overwrite, progress=progress, begun=begun, opened=open_arrays
+            )
         _close(dataset, target, replaced, displayed, as_json=as_json, quiet=quiet)
 
 

@@ -8,13 +8,15 @@ kept for another processor, as in an image that comes from elsewhere, only the m
 from __future__ import annotations
 
 import hashlib
+import math
 import os
 import pickle
 import shutil
 import sys
 import tempfile
+import uuid
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
@@ -25,6 +27,8 @@ import numpy as np
 from numba.core import event as events
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, UserProvidedCacheLocator
 from numba.core.registry import cpu_target
+from numba.core.runtime.nrt import rtsys
+from numpy.typing import NDArray
 
 from ropewalk.mechanics.kernel_parts import rebuilt, reduced
 
@@ -176,13 +180,37 @@ class _Files(IndexDataCacheFile):
 
     def _read(self, path: str) -> Any:
         """What has been written; None of what is not there or not as it was."""
-        try:
-            data = Path(path).read_bytes()
-        except OSError:
-            return None
-        if hashlib.sha256(data[_SEAL:]).digest() != data[:_SEAL]:
-            return None
-        return pickle.loads(data[_SEAL:])
+        data = _unsealed(Path(path))
+        return None if data is None else pickle.loads(data)
+
+
+def _unsealed(path: Path) -> bytes | None:
+    """What is behind the checksum of a file; None of what is not there or not as it was."""
+    try:
+        data = path.read_bytes()
+    except OSError:
+        return None
+    return data[_SEAL:] if hashlib.sha256(data[_SEAL:]).digest() == data[:_SEAL] else None
+
+
+def kept(name: str, shape: tuple[int, ...], make: Callable[[], NDArray[np.float64]]) -> NDArray[np.float64]:
+    """An array of numbers that follow from the sources alone, as kernels do, and are kept beside these.
+
+    Args:
+        name: of the array, one for each.
+        shape: of it.
+        make: computes it, where it is not there.
+    """
+    file = folder() / name
+    data = _unsealed(file)
+    if data is not None and len(data) == 8 * math.prod(shape):
+        return np.frombuffer(data).reshape(shape).copy()
+    found = np.ascontiguousarray(make(), dtype=np.float64)
+    data, beside = found.tobytes(), file.with_name(f"{name}.{uuid.uuid4().hex}")
+    with suppress(OSError):  # where there is no place it is computed again another time
+        beside.write_bytes(hashlib.sha256(data).digest() + data)
+        os.replace(beside, file)
+    return found
 
 
 class KernelCache(FunctionCache):
@@ -198,6 +226,12 @@ class KernelCache(FunctionCache):
     def signatures(self) -> list[tuple[Any, ...]]:
         """For which types of arguments there is code for this processor."""
         return [kinds for kinds, made_for, *_ in self._cache_file._load_index() if made_for == processor()]
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """A kernel from the cache. What compiles calls for is not read in yet: the compiler does so itself."""
+        rtsys.initialize(target_context)
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(sig, target_context)
 
     def _load_overload(self, sig: Any, target_context: Any) -> Any:
         """A kernel from the cache; of one that is there for another processor only, machine code is made."""

@@ -12,7 +12,6 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import brentq, root
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.model.condition import Condition
@@ -77,6 +76,8 @@ def flat_bending(wear: float) -> float:
     """
     if wear <= 0.0:
         return 1.0
+    from scipy.optimize import brentq  # lazy: it takes long to import
+
     t = brentq(lambda t: t - math.sin(t) * math.cos(t) - wear * math.pi, 0.0, math.pi, xtol=1e-14)
     s, c = math.sin(t), math.cos(t)
     away = 2.0 / 3.0 * s**3 / (math.pi * (1.0 - wear))
@@ -104,6 +105,8 @@ def _tensioned(plan: WirePlan, element: float, wanted: Array) -> WirePlan:
     def excess(share: Array) -> Array:
         tension = first * np.exp(share)  # never in compression
         return np.asarray((_unstrained(under(tension), element) - wanted) / wanted * stiff / first)
+
+    from scipy.optimize import root  # lazy: as above
 
     try:
         with np.errstate(all="ignore"):  # what overflows is no rest

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -130,10 +131,12 @@ def _tidy(dataset: xr.Dataset) -> xr.Dataset:
             dims = (path, *quantity.dims)
             dataset[name] = (dims, np.full([size[d] for d in dims], np.nan), quantity.attributes)
     dataset = dataset.assign_coords(coordinates)
-    dataset.attrs = {
-        key: getattr(value, "item", lambda v=value: v)()
-        for key, value in dataset.attrs.items()
-        if key not in ATTRIBUTES
-    }
-    dataset.attrs["steps"] = int(dataset.attrs["steps"])
+    dataset.attrs = in_memory(dataset.attrs)
     return dataset
+
+
+def in_memory(attributes: Mapping[Any, Any]) -> dict[Any, Any]:
+    """Attributes of a file with the types that they have in memory, without those that check it."""
+    own = {key: value for key, value in attributes.items() if key not in ATTRIBUTES}
+    plain = {key: getattr(value, "item", lambda v=value: v)() for key, value in own.items()}
+    return {**plain, "steps": int(plain["steps"])}

@@ -13,7 +13,6 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Protocol, Self
 
 import numpy as np
-import xarray as xr  # slow, and first used at the end: somebody who interrupts a run does not wait for it then
 
 from ropewalk.checkpoint import Tree
 from ropewalk.results import checksums, contract
@@ -26,6 +25,8 @@ from ropewalk.results.target import alone, check_target
 from ropewalk.results.verdict import Watch
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from ropewalk.model import Scenario
     from ropewalk.results.running import Run
 
@@ -55,6 +56,7 @@ class Recorder:
             frame: a run that never begins leaves it as it was.
         run: whose state the file is to hold, so that it can be taken up again.
         past: the frames that the file has already; what comes goes behind them.
+        opened: what opens the file at the end.
 
     Raises:
         ResultError: a result cannot be written to `file`; nothing has been touched then.
@@ -69,6 +71,7 @@ class Recorder:
         *,
         run: Run | None = None,
         past: Past | None = None,
+        opened: Callable[[Path], xr.Dataset] = open_result,
     ) -> None:
         if layout.path not in contract.PATHS:
             raise ValueError(f"the leading dimension is one of {', '.join(contract.PATHS)}, not {layout.path!r}")
@@ -82,7 +85,9 @@ class Recorder:
             for frames in past.frames(layout):
                 self._watch.see(frames)
         kept = None if run is None or file is None else partial(_checkpoint, digests(scenario), run_info, run)
-        self._store: _Store = _Memory(layout, fixed) if file is None else _File(layout, fixed, file, run, kept, past)
+        self._store: _Store = (
+            _Memory(layout, fixed, run) if file is None else _File(layout, fixed, file, run, kept, past, opened)
+        )
 
     @property
     def frames(self) -> int:
@@ -172,8 +177,9 @@ class _Store(Protocol):
 
 
 def _rows(layout: Layout, rows: int) -> dict[str, Array]:
-    arrays = {name: np.full((rows, *shape), np.nan) for name, shape in contract.shapes(layout).items()}
-    return {contract.PATH: np.full(rows, np.nan), **arrays}
+    """Arrays for some frames; no page of them is touched before it is written to."""
+    arrays = {name: np.empty((rows, *shape)) for name, shape in contract.shapes(layout).items()}
+    return {contract.PATH: np.empty(rows), **arrays}
 
 
 def _put(frames: Frames, arrays: dict[str, Array], row: int, part: slice) -> None:
@@ -186,12 +192,12 @@ def _put(frames: Frames, arrays: dict[str, Array], row: int, part: slice) -> Non
 
 
 class _Memory:
-    """Arrays that double when they are full."""
+    """Arrays for all frames of a run; where their number is not known, they double when they are full."""
 
-    def __init__(self, layout: Layout, fixed: dict[str, contract.Attribute]) -> None:
+    def __init__(self, layout: Layout, fixed: dict[str, contract.Attribute], run: Run | None = None) -> None:
         self.count = 0
         self._layout, self._fixed = layout, fixed
-        self._arrays = _rows(layout, 64)
+        self._arrays = _rows(layout, 64 if run is None else run.total)
 
     def extend(self, frames: Frames, run_info: RunInfo) -> None:
         if self.count + len(frames) > len(self._arrays[contract.PATH]):
@@ -210,6 +216,8 @@ class _Memory:
         """Nothing is kept from others."""
 
     def result(self, run_info: RunInfo) -> xr.Dataset:
+        import xarray as xr  # slow
+
         path, arrays = self._layout.path, self._arrays
         values, size = contract.coordinate_values(self._layout), contract.sizes(self._layout)
         coordinates = {
@@ -242,9 +250,10 @@ class _File:
         run: Run | None = None,
         kept: Callable[[], Tree | None] | None = None,
         past: Past | None = None,
+        opened: Callable[[Path], xr.Dataset] = open_result,
     ) -> None:
         self.count = past.count if past is not None else 0
-        self._layout, self._fixed, self._past = layout, fixed, past
+        self._layout, self._fixed, self._past, self._opened = layout, fixed, past, opened
         self.path = check_target(file) if past is None else file  # whoever takes it up has looked
         self._total = run.total if run is not None else None
         self._slots = Slots(kept, past.number if past is not None else 0) if kept is not None else None
@@ -389,7 +398,7 @@ class _File:
         self._lock.close()
 
     def result(self, run_info: RunInfo) -> xr.Dataset:
-        return open_result(self.path)
+        return self._opened(self.path)
 
 
 def block_rows(layout: Layout) -> int:

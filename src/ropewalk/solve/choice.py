@@ -8,8 +8,9 @@ import numpy as np
 
 from ropewalk.mechanics.bodies import Bodies
 from ropewalk.mechanics.chain import FRICTIONLESS, Array, ChainState, Loads, Strands, Supports
-from ropewalk.mechanics.law import tangents, tensions
+from ropewalk.mechanics.law import tangent
 from ropewalk.model.run import ACCURACY
+from ropewalk.solve.strained import STIFFNESS, TENSION, strained
 
 # Explicit while it needs fewer steps than this for every link of the line; beyond, the implicit method is faster: a
 # load passes links, and each passage costs it a handful of steps whatever their number (docs/notes/implicit.md).
@@ -63,24 +64,27 @@ def bounds(
     supports: Supports | None = None,
     loads: Loads | None = None,
     bodies: Bodies | None = None,
+    extremes: Array | None = None,
 ) -> Bounds:
     """Upper bounds of the largest frequency and damping rate of the chain in its present state.
 
     On a uniform chain they are sharp: omega = (2/h) sqrt(k/rho), with the larger of T' and T/lam for k, and
     4 c / (rho h^2) for the damping. An end that yields carries half a link: without a spring nothing changes, a spring
     k on the mass m adds k/m to omega^2 at most. Its damper does not matter (ends.py).
+
+    Args:
+        strands, r, X, supports, loads, bodies: see mechanics/chain.py and bodies.py.
+        with_moving_loads: whether nodes ride with loads.
+        extremes: what `strained` gives, if it is known.
     """
+    extremes = strained(strands.first, strands.links, strands.law, r, X) if extremes is None else extremes
     yields = supports is not None and bool(supports.free.any())
     frequency = damping = 0.0
     for s in range(strands.first.size):
-        i, j = int(strands.first[s]), int(strands.first[s] + strands.links[s])
         if strands.links[s] < 2 and not yields:
             continue
-        lam = _stretches(r, X, i, j)
-        p, h, rho = strands.law[s], float(strands.h[s]), float(strands.rho[s])
-        stiffness = max(float(tangents(p, lam - 1.0).max()), float(tangents(p, np.zeros(1)).max()))
-        stiffness = max(stiffness, float((tensions(p, lam - 1.0) / lam).max()))
-        frequency = max(frequency, 2.0 / h * np.sqrt(stiffness / rho))
+        h, rho = float(strands.h[s]), float(strands.rho[s])
+        frequency = max(frequency, 2.0 / h * np.sqrt(float(extremes[s, STIFFNESS]) / rho))
         damping = max(damping, 4.0 * float(strands.damping[s]) / (rho * h * h))
     if with_moving_loads:
         frequency *= LOCATION_FREQUENCY_AT_END if yields else LOCATION_FREQUENCY
@@ -144,18 +148,15 @@ def _spring_frequency(strands: Strands, supports: Supports) -> float:
     return float(np.sqrt(np.max(stiffest / mass)))
 
 
-def _stretches(r: Array, X: Array, i: int, j: int) -> Array:
-    d = np.diff(r[:, i : j + 1], axis=1)
-    return np.asarray(np.sqrt((d * d).sum(axis=0)) / np.diff(X[i : j + 1]))
+def is_compressed(strands: Strands, r: Array, X: Array, extremes: Array | None = None) -> bool:
+    """Whether some link pushes: across it the chain is unstable then, and disturbances grow.
 
-
-def is_compressed(strands: Strands, r: Array, X: Array) -> bool:
-    """Whether some link pushes: across it the chain is unstable then, and disturbances grow."""
-    for i, n, p in zip(strands.first, strands.links, strands.law, strict=True):
-        rounding = 1e-9 * float(tangents(p, np.zeros(1))[0])
-        if float(tensions(p, _stretches(r, X, int(i), int(i + n)) - 1.0).min()) < -rounding:
-            return True
-    return False
+    Args:
+        strands, r, X: see mechanics/chain.py.
+        extremes: what `strained` gives, if it is known.
+    """
+    extremes = strained(strands.first, strands.links, strands.law, r, X) if extremes is None else extremes
+    return any(least < -1e-9 * tangent(p, 0.0) for least, p in zip(extremes[:, TENSION], strands.law, strict=True))
 
 
 def verlet_step(limits: Bounds) -> float:

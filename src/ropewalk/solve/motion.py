@@ -29,6 +29,7 @@ from ropewalk.solve.splitting import (
     TOO_MANY_STEPS,
     advance,
 )
+from ropewalk.solve.strained import LENGTH, REST, strained
 
 if TYPE_CHECKING:
     from ropewalk.solve.collocation import Workspace
@@ -153,10 +154,11 @@ class ChainMotion:
                         )
                 if progress.status != RUNNING:
                     return
-        if _is_torn(self.strands, state):
-            progress.status = NOT_FINITE
+        extremes = strained(self.strands.first, self.strands.links, self.strands.law, state.r, state.X)
+        if not (extremes[:, LENGTH] < LONGEST_STRETCH * extremes[:, REST]).all():  # or not a number
+            progress.status = NOT_FINITE  # only a motion without bounds can have stretched a link so far
             return
-        self._shorten()
+        self._shorten(extremes)
 
     def get_state(self) -> Tree:
         """All that changes."""
@@ -182,20 +184,21 @@ class ChainMotion:
             return {}
         return arrays_of(self._contacts, "wheels", "order", "ordered", "coordinates", "tethers", "M", "K")
 
-    def _bounds(self) -> Bounds:
+    def _bounds(self, extremes: Array | None = None) -> Bounds:
         state, loads = self.state, self.loads
-        return bounds(self.strands, state.r, state.X, bool(loads.strand.size), self.supports, loads, self.bodies)
+        some = bool(loads.strand.size)
+        return bounds(self.strands, state.r, state.X, some, self.supports, loads, self.bodies, extremes)
 
-    def _shorten(self) -> None:
+    def _shorten(self, extremes: Array) -> None:
         """Keep the step in proportion where the line has stiffened, and small once it is in compression."""
-        choice, now = self.choice, self._bounds()
+        choice, now = self.choice, self._bounds(extremes)
         if now.frequency > 1.05 * self._limits.frequency and choice.method != "implicit":
             own = RKN6_LIMIT / now.frequency
             if choice.method == "verlet":
                 own = verlet_step(now) * (SAFETY_WITH_MASSES if self.bodies is not None else 1.0)
             self._step = min(self._step, own)
         fine = choice.step * choice.compressed
-        if fine < self._step and is_compressed(self.strands, self.state.r, self.state.X):
+        if fine < self._step and is_compressed(self.strands, self.state.r, self.state.X, extremes):
             self._step = fine
 
     def look(self, own: Loads, twin: ChainState, moving: Bodies, h: float) -> None:
@@ -278,15 +281,6 @@ def _ask(controllers: Sequence[Controller], progress: Progress) -> int:
         progress.message = str(error)
         return STOPPED
     return RUNNING
-
-
-def _is_torn(strands: Strands, state: ChainState) -> bool:
-    """Whether some link has become so long that only a motion without bounds can have stretched it."""
-    for i, n in zip(strands.first, strands.links, strict=True):
-        d = np.diff(state.r[:, i : i + n + 1], axis=1)
-        if not np.sqrt((d * d).sum(axis=0)).max() < LONGEST_STRETCH * np.diff(state.X[i : i + n + 1]).max():
-            return True
-    return False
 
 
 def _capacity_for(choice: Choice, loads: Loads, state: ChainState) -> ChainBuffers | Workspace:

@@ -16,11 +16,14 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.sparse.linalg
 
 from ropewalk.mechanics.chain import Array
+
+if TYPE_CHECKING:
+    import scipy.sparse
 
 STEPS = 3
 """Chord steps: what is left of a shape's change after so many is the third power of the change itself."""
@@ -154,8 +157,10 @@ def by_factors(K: scipy.sparse.csc_matrix) -> Solve:
     Raises:
         NotBesideError: it is singular.
     """
+    from scipy.sparse.linalg import splu  # lazy: plain ropes have no sparse stiffness
+
     try:
-        factors = scipy.sparse.linalg.splu(K.tocsc())
+        factors = splu(K.tocsc())
     except RuntimeError:
         raise NotBesideError("the stiffness is singular") from None
     return lambda out: np.asarray(factors.solve(out))

@@ -7,6 +7,7 @@ A contact without mass has no equation of motion: there the springs above are in
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -76,12 +77,18 @@ class BodyArrays(NamedTuple):
 
 def with_step(bodies: BodyArrays, dt: float) -> BodyArrays:
     """The same for steps of a given length in s."""
-    inverse = np.zeros_like(bodies.inverse)
-    heavy = np.diagonal(bodies.M, axis1=1, axis2=2) > 0.0
-    both, one = heavy[:, :, None] & heavy[:, None, :], np.eye(heavy.shape[1])
+    return bodies._replace(inverse=_inverse(dt, bodies.M.shape, bodies.M.tobytes(), bodies.C.tobytes()))
+
+
+@lru_cache(maxsize=16)
+def _inverse(dt: float, shape: tuple[int, ...], M: bytes, C: bytes) -> Array:
+    """Inverses of M + h/2 C for a step and half a step; between outputs steps are as long as ever, but for rounding."""
+    mass, damping = np.frombuffer(M).reshape(shape), np.frombuffer(C).reshape(shape)
+    heavy = np.diagonal(mass, axis1=1, axis2=2) > 0.0
+    both, one, inverse = heavy[:, :, None] & heavy[:, None, :], np.eye(shape[1]), np.zeros((2, *shape))
     for i, h in enumerate((dt, 0.5 * dt)):
-        inverse[i][both] = np.linalg.inv(np.where(both, bodies.M + 0.5 * h * bodies.C, one))[both]
-    return bodies._replace(inverse=inverse)
+        inverse[i][both] = np.linalg.inv(np.where(both, mass + 0.5 * h * damping, one))[both]
+    return inverse
 
 
 @lean_inner

@@ -219,13 +219,16 @@ class SystemCarrier:
     longest: float  # s, of a step
     looks_ahead: bool = False
     steps: int = 0
-    _known: tuple[System, Callable[..., tuple[int, float]]] | None = None
+    _known: tuple[System, tuple[Any, ...], Callable[..., tuple[int, float]]] | None = None
 
     def advance(self, dt: float, steps: int) -> tuple[int, float]:
         """The kernel of the motion; what its arguments are is found out once, for those of the beginning."""
         if self._known is None:
-            self._known = self.system, entry_of(motion.advance, (*self.system.arguments, dt, steps))
-        (first, entry), system = self._known, self.system
+            arguments = self.system.arguments
+            self._known = self.system, arguments, entry_of(motion.advance, (*arguments, dt, steps))
+        (first, arguments, entry), system = self._known, self.system
+        if system is first:
+            return entry(*arguments, dt, steps)
         if system.structure is first.structure and system.state is first.state:  # no twin, and no window
             return entry(*system.arguments, dt, steps)
         return system.advance(dt, steps)

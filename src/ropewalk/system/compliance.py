@@ -15,11 +15,10 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-import scipy.linalg as linalg
-from scipy.interpolate import CubicSpline
 
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.compiled import lean, lean_inner
+from ropewalk.mechanics.kernel_cache import kept
 from ropewalk.system.spline import WIDTH, share
 
 # The arc of a link above its chord, over the one that a circle through its neighbours has: the length of a
@@ -59,6 +58,15 @@ def compliances(correction: float = CORRECTION, part: float = PART) -> Array:
         correction: of the arc of links.
         part: PART or AT_REST.
     """
+    name, shape = f"compliances-{correction!r}-{part!r}", (2, SHARES, NEAR * PARTS + 1)
+    return kept(name, shape, lambda: _tabled(correction, part))
+
+
+def _tabled(correction: float, part: float) -> Array:
+    """The table itself: a third of a second's work, and more where many threads are wakened for it."""
+    from scipy import linalg  # lazy: most runs find it kept
+    from scipy.interpolate import CubicSpline
+
     places = np.arange(NEAR * PARTS + 1) / PARTS
     weights = np.zeros((places.size, CELL + 1))
     slope = np.zeros(WIDTH)

@@ -11,7 +11,6 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from scipy import optimize
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.chain import Array
@@ -121,7 +120,9 @@ class Crabs:
         contacts["moved"][every] = 1
         begin = np.where(np.isin(np.arange(len(every)), lead), contacts["origin"][every], contacts["begin"][every])
         weight = float(-self._bodies.force.sum())
-        solved = optimize.root(push, begin, options={"xtol": _FOUND, "eps": _VARIED})
+        from scipy.optimize import root  # lazy: it takes long to import
+
+        solved = root(push, begin, options={"xtol": _FOUND, "eps": _VARIED})
         even = np.abs(push(solved.x)).max() <= _EVEN
         contacts["moved"][:] = moved
         if not even:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.results.frame import Frame, Layout
@@ -64,7 +63,11 @@ def _through(at: Array, values: Array, wanted: Array) -> Array:
     nodes: Integers = np.searchsorted(at, wanted)
     if np.array_equal(at[np.minimum(nodes, at.size - 1)], wanted):
         return np.asarray(values[nodes])
-    return np.asarray(CubicSpline(at, values)(wanted) if at.size > 2 else _between(at, values, wanted))
+    if at.size <= 2:
+        return _between(at, values, wanted)
+    from scipy.interpolate import CubicSpline  # lazy: it takes long to import
+
+    return np.asarray(CubicSpline(at, values)(wanted))
 
 
 def _between(at: Array, values: Array, wanted: Array) -> Array:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ropewalk.checkpoint import Tree
+from ropewalk.checkpoint import Tree, copied
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.loading import Loading
 from ropewalk.mechanics.multibody_system import FIRM
@@ -61,12 +61,11 @@ class SystemNote(NamedTuple):
     @staticmethod
     def of(state: SystemState, buffers: Buffers, contacts: Any, bodies: BodyArrays, elastic: float) -> SystemNote:
         """Copies of what is known now."""
-        return SystemNote(
-            state.t[0].copy(), state.r.copy(), state.v.copy(), state.u.copy(), state.w.copy(), state.s.copy(),
-            state.work.copy(), buffers.tension.copy(), buffers.strain.copy(), buffers.bent.copy(),
-            buffers.reaction.copy(), contacts.copy(), bodies.tethers.copy(), bodies.carriages.hauls.copy(),
-            bodies.M.copy(), bodies.K.copy(), np.array(elastic),
-        )  # fmt: skip
+        return SystemNote(*copied((
+            state.t[0], state.r, state.v, state.u, state.w, state.s, state.work, buffers.tension, buffers.strain,
+            buffers.bent, buffers.reaction, contacts, bodies.tethers, bodies.carriages.hauls, bodies.M, bodies.K,
+            np.array(elastic),
+        )))  # fmt: skip
 
     @staticmethod
     def together(notes: Sequence[SystemNote]) -> SystemNote:

@@ -14,7 +14,6 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy import optimize
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics import law
@@ -175,7 +174,9 @@ class HoldForces:
             if first[i] == 0.0:  # as on a line that stays as it is
                 way, level = contacts[k]["along"][: self._axes], self._structure.runs.ahead[contacts[k]["run"]]
                 first[i] = -friction_demand.along[i] * float(np.linalg.norm(way)) / float(way @ level) / size
-        solved = optimize.root(miss, first, method="hybr", options={"xtol": 1e-12, "eps": 1e-7})
+        from scipy.optimize import root  # lazy: it takes long to import
+
+        solved = root(miss, first, method="hybr", options={"xtol": 1e-12, "eps": 1e-7})
         if np.abs(miss(solved.x)).max() > _EQUAL:
             raise EquilibriumError("nothing holds a load there: the force that it takes grows beyond all bounds")
         return found

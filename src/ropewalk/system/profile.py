@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from ropewalk.mechanics.assembly import speed_table
 from ropewalk.mechanics.chain import Array, Integers
@@ -54,6 +53,10 @@ class Profiles(NamedTuple):
             ScenarioError: a file cannot be read, or its rows are not as they should be.
         """
         found = Profiles.none(len(lengths))
+        if not any(line.profile for line in scenario.lines.values()):
+            return found
+        from scipy.interpolate import CubicSpline  # lazy: it takes long to import, and few lines have a profile
+
         s, c = list[Array](), list[Array]()
         for i, (name, length) in enumerate(zip(names, lengths, strict=False)):
             line = scenario.lines.get(name)

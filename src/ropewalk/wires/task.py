@@ -8,7 +8,6 @@ from typing import Literal
 
 import numpy as np
 import scipy.sparse as sparse
-from scipy.optimize import brentq
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.solve.minimum import is_definite
@@ -243,6 +242,8 @@ def hanging(start: Array, end: Array, length: float, links: int) -> Array:
     flat = np.array([end[0] - start[0], end[1] - start[1]])
     rise, way = float(end[2] - start[2]), max(float(np.hypot(*flat)), _NARROW * length)
     ratio = np.sqrt(max(length**2 - rise**2, way**2)) / way
+    from scipy.optimize import brentq  # lazy: it takes long to import
+
     a = float(brentq(lambda a: np.sinh(a) / a - ratio, 1e-9, 1.0 + 2.0 * np.log(2.0 * ratio) + 2.0, xtol=1e-15))
     middle = np.arctanh(np.clip(rise / length, -_STEEP, _STEEP))  # half the sum of what sinh is taken of
     arc = np.linspace(np.sinh(middle - a), np.sinh(middle + a), links + 1)
