@@ -121,8 +121,7 @@ class Wires:
             potential = WirePotential(self.mesh, start.unstrained)
             self.motion: LargeMotion | SmallMotion = LargeMotion(
                 self.mesh, start.position, start.unstrained, self.moving_loads, run_info.step, self._first("first"),
-                inner,
-                task.inertia, space=task.space,
+                inner, task.inertia, space=task.space, window=task.window, hold_at_rest=self._held(potential),
             )  # fmt: skip
         else:
             run_info.reason = "Stoermer's method for small vertical motion about rest, with constant tensions"
@@ -361,9 +360,13 @@ class Wires:
         """Forces of all holds on their wires at the beginning, (hold, 3) N."""
         if self._potential is None:
             return self.motion.hold_at_rest
+        return self._held(self._potential)
+
+    def _held(self, potential: WirePotential) -> Array:
+        """Forces of all holds at rest, (hold, 3) N."""
         node = self.mesh.holds.node
-        at_ends = -self._potential.bare_pull(self._at_rest)[:, np.maximum(node, 0)].T
-        return np.where((node < 0)[:, None], self._potential.hold_forces(self._at_rest), at_ends)
+        at_ends = -potential.bare_pull(self._at_rest)[:, np.maximum(node, 0)].T
+        return np.asarray(np.where((node < 0)[:, None], potential.hold_forces(self._at_rest), at_ends))
 
     def ties_at_first(self) -> Array:
         """Forces of all ties at the beginning, (tie,) N."""
