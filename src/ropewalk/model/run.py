@@ -125,8 +125,8 @@ class Dynamic(Declaration):
     )
     window: PositiveLength | None = Field(
         default=None,
-        description="with linearised geometry, only this far around the contacts do they move, along lines "
-        "and what is joined to them",
+        description="only this far around the contacts do they move, along lines and what is joined to them; with "
+        "linearised geometry, and with all geometry on overhead lines",
     )
     axial_inertia: Factor = Field(
         default=1.0,

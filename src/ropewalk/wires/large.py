@@ -13,6 +13,7 @@ import numpy as np
 
 from ropewalk.checkpoint import Arrays, Changing, arrays_of
 from ropewalk.mechanics.compiled import entry_of, inlined, lean, lean_inner
+from ropewalk.wires.absorbing_layer import absorb
 from ropewalk.wires.damping import EVERY, dissipated
 from ropewalk.wires.large_window import Following, follow_waves
 from ropewalk.wires.mesh import Mesh, MovingLoads, places_of
@@ -274,9 +275,10 @@ def advance(strands, threads, link_springs, holders, window, still, watched, mov
     axes, whole, dt = now.shape[0], record.force.shape[0] * steps, stepping.step / inner
     every = min(max(1, EVERY // inner), max(1, whole // 4))
     for row in range(record.force.shape[0]):
-        for p in range(watched.base.size):
+        for p in window.watched:
             for k in range(WIDTH):
-                record.watched[p, row] += watched.weight[p, k] * now[axes - 1, watched.base[p] + k]
+                i = watched.base[p] + k
+                record.watched[p, row] += watched.weight[p, k] * (now[axes - 1, i] - still[axes - 1, i])
         for i in range(moving_loads.size.size):
             for c in range(moving_loads.size[i]):
                 record.body[row, i, c] = stepping.q[i, c]
@@ -301,6 +303,7 @@ def advance(strands, threads, link_springs, holders, window, still, watched, mov
                     if np.isinf(moving_loads.spring[k]):
                         _join(strands, threads, moving_loads, stepping, other, inputs, record, row, step, steps, k, w)
             settle_accounts(moving_loads, stepping)
+            absorb(strands, window, threads.mass[axes - 1], now, other, 1, dt, stepping.step, stepping.work)
             follow_waves(window, still, now, other, dt, stepping.work)
             gone = row * steps + step
             now, other = other, now
@@ -360,11 +363,11 @@ class LargeMotion(Changing):
         self._r = [np.ascontiguousarray(position[axes]) for _ in range(2)]  # now, a step before
         self._side = position[1].copy()
         self.window = Following(
-            mesh, position[axes], window, step / inner, inertia, self.link_springs, self.holders
-        )  # fmt: skip
-        self._hold_far = np.zeros_like(mesh.holds.force) if hold_at_rest is None else hold_at_rest - mesh.holds.force
+            mesh, position[axes], window, step / inner, inertia, self.link_springs, self.holders, self.watched
+        )
         self._buffers = np.zeros(mesh.nodes), np.zeros(mesh.nodes)
-        self.tie_at_rest, self.hold_at_rest = self.link_springs.rest, mesh.holds.force
+        self.tie_at_rest = self.link_springs.rest
+        self.hold_at_rest = mesh.holds.force if hold_at_rest is None or self.window.is_whole else hold_at_rest
         self._w = np.zeros((3, WIDTH))
         self._advance: Callable[..., object] | None = None
 
@@ -448,10 +451,9 @@ class LargeMotion(Changing):
         self._advance(*arguments)
         if record.force.shape[0] * steps * self.inner % 2:
             self._r.reverse()
-        if not self.window.is_whole:
-            self.window.look(self._r[0])
-            far = self.window.beyond()
-            record.hold[far] = self._hold_far[far, :, None]
+        if not self.window.is_whole:  # of what stands still nothing was recorded: it is counted from rest
+            near = self.window.holding()
+            record.hold[near] += (self.mesh.holds.force - self.hold_at_rest)[near, :, None]
         return record.turned()
 
     def _is_small(self) -> bool:

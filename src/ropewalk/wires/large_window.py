@@ -1,21 +1,23 @@
 """A window on large motion of wires: what is far from the contacts stands still, but for waves along the wires.
 
-Waves across the wires come back from the border as from a support. Those along them are thirty times as fast, and what
-a wire could not give way along it at the border would stretch it: beyond the border a wire carries them on. There its
-displacement u along x is that of a wave that goes away, u' = -u. / c - u / L, with L up to where the wire is held along
-x; a few nodes beyond the border follow it (the absorbing condition of first order, as a box scheme), and all others
-are led along with them. What goes away with waves, and the kinetic energy of what the window leaves, is lost.
+Waves across the wires are taken up next to the borders (`absorbing_layer.py`). Those along them are thirty times as
+fast, and a wire that could not give way along it at a border would be stretched: beyond the border it carries them on.
+There its displacement u along itself is that of a wave that goes away, c u' + u. + c u / L = 0, with L up to where it
+is held along x. A few nodes beyond a border follow that (the absorbing condition of first order, as a box scheme): each
+is where its link has the tension of the wave, whatever shape it was left in. All others are led along with them. What
+goes away with waves, and the kinetic energy of what the window leaves, is lost and counted so.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ropewalk.mechanics.compiled import inlined
-from ropewalk.wires.mesh import Mesh
+from ropewalk.wires.absorbing_layer import layers
+from ropewalk.wires.mesh import Mesh, Places
 from ropewalk.wires.moving_loads import DAMPED
 from ropewalk.wires.plan import Array, Integers
 from ropewalk.wires.restraints import Holders
@@ -23,7 +25,6 @@ from ropewalk.wires.small_arrays import x_of
 from ropewalk.wires.spline import WIDTH
 from ropewalk.wires.springs import LinkSprings
 
-_NEAR = 0.1  # of the half width of a window, next to its borders
 _CLEAR = 2.0  # widths of a spline that borders stay away from holds and ends of wires, at least
 BEYOND = WIDTH + 2  # nodes beyond a border that follow waves along the wire: those that ties share with nodes within
 
@@ -33,10 +34,13 @@ class LargeWindow(NamedTuple):
 
     low: Integers  # (wire,) first node that does, counted in the wire
     high: Integers  # (wire,) one beyond the last
+    layer: Integers  # (wire,) nodes of the layers that take up waves across, and
+    rate: Array  # (wire,) 1/s, at which they do so at most
     slow: Integers  # ties that push once in a step
     fast: Integers  # ties along the wires
     held: tuple[int, int]  # holders that hold fast: the first, and one beyond the last
     elastic: tuple[int, int]  # the others
+    watched: Integers  # points whose height is recorded
     border: Integers  # (border, 2) last node that moves, and the direction in which its wire goes on beyond it
     follow: Array  # (border, 3) how the next node follows: its own displacement, the last one's after and before
     impedance: Array  # (border,) N s/m, along the wire
@@ -73,11 +77,12 @@ class Following:
         inertia: factor on the mass for motion along x.
         link_springs: ties.
         holders: what holds.
+        watched: points whose height is recorded.
     """
 
     def __init__(
         self, mesh: Mesh, still: Array, width: float, step: float, inertia: float, link_springs: LinkSprings,
-        holders: Holders,
+        holders: Holders, watched: Places,
     ) -> None:  # fmt: skip
         s, self._mesh, self.still, self.width, self._step = mesh.strands, mesh, still, width, step
         self._fast, self._holder_x = holders.fast, holders.x
@@ -86,6 +91,7 @@ class Following:
         self._tie_x = [x[which] for which in self._ties]
         self._hold_x = x_of(mesh, mesh.holds.at.wire, mesh.holds.at.station)
         ends = s.across[:, 0], s.across[:, 0] + s.across[:, 1] * s.h * s.links
+        self._watched_x = x_of(mesh, watched.wire, watched.station)
         self._marks = np.concatenate([*ends, self._hold_x])  # m along x
         axial = np.array([wire.axial_stiffness for wire in mesh.plan.wires])
         self._speed, self._impedance = np.sqrt(axial / (s.rho * inertia)), np.sqrt(axial * s.rho * inertia)
@@ -94,8 +100,8 @@ class Following:
         self.low, self.high = np.zeros_like(s.links), np.zeros_like(s.links)  # nothing moves before the first step
         self.reach = np.array([np.inf, -np.inf])  # m, along x
         self._length = np.sqrt((np.diff(still, append=still[:, -1:]) ** 2).sum(axis=0))
+        self._layer = layers(mesh, width)
         self._mark = np.zeros((s.first.size, 2))  # m, x of the last node that follows, as all beyond was led along last
-        self.moved = np.zeros(2)  # m, by how much nodes have been seen to move up: next to borders, and anywhere
         if self.is_whole:
             self.high[:], self.reach[:] = s.links + 1, (-np.inf, np.inf)
 
@@ -109,7 +115,7 @@ class Following:
 
     def changing(self) -> dict[str, Array]:
         """What changes."""
-        return {"low": self.low, "high": self.high, "reach": self.reach, "mark": self._mark, "moved": self.moved}
+        return {"low": self.low, "high": self.high, "reach": self.reach, "mark": self._mark}
 
     def around(self, wires: Integers, stations: Array, r: Sequence[Array], mass: Array, work: Array) -> LargeWindow:
         """The window for a stretch of the motion.
@@ -135,8 +141,11 @@ class Following:
             (first + int(np.searchsorted(x, begin)), first + int(np.searchsorted(x, end)))
             for x, first in ((self._holder_x[: self._fast], 0), (self._holder_x[self._fast :], self._fast))
         )
-        ties = [self._near(which, x) for which, x in zip(self._ties, self._tie_x, strict=True)]
-        return LargeWindow(self.low, self.high, *ties, held, elastic, *self._borders(r[0]), self._length)
+        watched = np.flatnonzero((self._watched_x >= begin) & (self._watched_x < end))
+        slow, fast = (self._near(which, x) for which, x in zip(self._ties, self._tie_x, strict=True))
+        return LargeWindow(
+            self.low, self.high, *self._layer, slow, fast, held, elastic, watched, *self._borders(r[0]), self._length
+        )
 
     def _near(self, ties: Integers, x: Array) -> Integers:
         """Those of some ties, in the order of their x in m, that share a node which moves."""
@@ -152,12 +161,12 @@ class Following:
     def _within(self) -> Array:
         """Between which x a point is shared by nodes that move alone, m."""
         edge = WIDTH * float(self._mesh.strands.h.max())
-        return self.reach + np.array([edge, -edge])
+        return np.asarray(self.reach + np.array([edge, -edge]))
 
-    def beyond(self) -> NDArray[np.bool_]:
-        """(hold,) which stand beyond the window."""
+    def holding(self) -> Integers:
+        """Numbers of all holds that hold something which moves."""
         begin, end = self._within()
-        return (self._hold_x < begin) | (self._hold_x >= end)
+        return np.flatnonzero((self._hold_x >= begin) & (self._hold_x < end))
 
     def _clear(self, begin: float, end: float) -> tuple[float, float]:
         """A window whose borders are clear of holds and ends of wires: what moves must feel all that holds it."""
@@ -201,24 +210,25 @@ class Following:
             return 0, 0
         return max(low - BEYOND, 0), min(high + BEYOND, int(self._mesh.strands.links[a]) + 1)
 
-    def _beyond(self) -> Iterator[tuple[int, int, slice, Array]]:
-        """Stretches beyond the nodes that follow: wire, side, nodes, how much of what leads them each is led along."""
-        s = self._mesh.strands
+    def _beyond(self) -> Iterator[tuple[int, int, slice, int]]:
+        """Stretches beyond the nodes that follow: wire, side, nodes, and the last that follows."""
         for a in np.flatnonzero(self.high > self.low):
-            n, (i, j) = int(s.links[a]) + 1, self._live(int(a), int(self.low[a]), int(self.high[a]))
-            for side, part, end, d in ((0, slice(0, i), i, -1), (1, slice(j, n), j - 1, 1)):
-                if part.stop > part.start:
-                    away = np.abs(np.arange(part.start, part.stop) - end) * s.h[a]
-                    share = np.maximum(1.0 - away / self._hold_beyond(int(a), end, d), 0.0)
-                    first = int(s.first[a])
-                    yield int(a), side, slice(first + part.start, first + part.stop), share
+            first, n = int(self._mesh.strands.first[a]), int(self._mesh.strands.links[a]) + 1
+            i, j = self._live(int(a), int(self.low[a]), int(self.high[a]))
+            if i > 0:
+                yield int(a), 0, slice(first, first + i), first + i
+            if j < n:
+                yield int(a), 1, slice(first + j, first + n), first + j - 1
 
     def settle(self, r: Sequence[Array]) -> None:
         """Lead along all that is beyond the window, positions (axis, node) in m now and a step before: it stands."""
-        for a, side, part, share in () if self.is_whole else self._beyond():
-            end = part.stop if side == 0 else part.start - 1
+        for a, side, part, end in () if self.is_whole else self._beyond():
+            first, h = int(self._mesh.strands.first[a]), float(self._mesh.strands.h[a])
+            led, reach = r[0][0, end] - self._mark[a, side], self._hold_beyond(a, end - first, 2 * side - 1)
+            if np.isfinite(reach):  # as much as a wire that is stretched evenly up to there
+                led = led * np.maximum(1.0 - np.abs(np.arange(part.start, part.stop) - end) * h / reach, 0.0)
             for at in r:
-                at[0, part] += (r[0][0, end] - self._mark[a, side]) * share
+                at[0, part] += led
             self._mark[a, side] = r[0][0, end]
 
     def _move_to(self, low: Integers, high: Integers, r: Sequence[Array], mass: Array, work: Array) -> None:
@@ -244,16 +254,5 @@ class Following:
                     work[DAMPED] += 0.5 * float((mass[axes, part] * rate**2).sum())  # lost
                     last[axes, part] = now[axes, part]
         self.low[:], self.high[:] = low, high
-        for a, side, part, _ in self._beyond():
-            self._mark[a, side] = now[0, part.stop if side == 0 else part.start - 1]
-
-    def look(self, r: Array) -> None:
-        """See by how much nodes (axis, node) m have moved up next to the borders, and anywhere."""
-        for a in np.flatnonzero(self.high > self.low):
-            first, low, high = (int(row[a]) for row in (self._mesh.strands.first, self.low, self.high))
-            up = np.abs(r[-1, first + low : first + high] - self.still[-1, first + low : first + high])
-            self.moved[1] = max(self.moved[1], float(up.max()))
-            near = max(1, round(_NEAR * self.width / float(self._mesh.strands.h[a])))
-            beside = [up[:near]] if low > 0 else []
-            beside += [up[-near:]] if high <= self._mesh.strands.links[a] else []
-            self.moved[0] = max([self.moved[0], *(float(part.max()) for part in beside)])
+        for a, side, _, end in self._beyond():
+            self._mark[a, side] = now[0, end]

@@ -86,8 +86,8 @@ def holders_of(mesh: Mesh, gain: Array, axes: Sequence[int], position: Array, pl
         int((~elastic).sum()), hold, holds.at.base[hold], np.ascontiguousarray(weight),
         np.ascontiguousarray(way[:, list(axes)]), spring(holds.stiffness[hold, axis], holds.at.local[hold]),
         holds.damping[hold, axis], (way * place[hold]).sum(axis=1), np.array([s for *_, s in found]) + local, local,
-        x[hold], np.cumsum(instants) - instants, instants, np.flatnonzero(instants > 1), np.concatenate(times), np.concatenate(tables),
-        np.zeros((hold.size, 3)), here, here.copy(), np.zeros(hold.size),
+        x[hold], np.cumsum(instants) - instants, instants, np.flatnonzero(instants > 1), np.concatenate(times),
+        np.concatenate(tables), np.zeros((hold.size, 3)), here, here.copy(), np.zeros(hold.size),
     )  # fmt: skip
 
 

@@ -52,8 +52,8 @@ def link_springs_of(mesh: Mesh, position: Array) -> LinkSprings:
     return LinkSprings(
         ties.one.base, ties.other.base, np.stack([ties.one.weight, ties.other.weight], axis=1), ties.ground,
         away[:, 1].copy(), ties.length, pull, push, ties.damping, last, np.zeros_like(last),
-        ties.strength, ties.fails_at * (1.0 - ROUNDING), np.full((last.size, 2), np.inf), rest, pulls[:, None] * away[:, 1:],
-        np.flatnonzero(~ties.lengthwise), np.flatnonzero(ties.lengthwise),
+        ties.strength, ties.fails_at * (1.0 - ROUNDING), np.full((last.size, 2), np.inf), rest,
+        pulls[:, None] * away[:, 1:], np.flatnonzero(~ties.lengthwise), np.flatnonzero(ties.lengthwise),
     )  # fmt: skip
 
 
