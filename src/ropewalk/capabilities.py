@@ -149,16 +149,20 @@ def unsupported(parts: Parts) -> Iterator[Finding]:
 
 
 def _window_with_all_geometry(engine: Engine, parts: Parts) -> Iterator[Finding]:
-    """A window in which wires have all geometry is known of overhead lines alone, whose tensions weights keep."""
-    run = parts.run
+    """A window in which wires have all geometry needs tensions that nothing far from it changes."""
+    run, what = parts.run, ""
     if not isinstance(run, Dynamic) or run.window is None or run.geometry == "linearised":
         return
-    given, remedy = f"{run.window:g} m", "write geometry: linearised, or leave window out"
-    stitched = [name for name, line in parts.overhead.items() if line is not None and line.stitch_wire is not None]
-    what = "all but overhead lines" if not parts.overhead or parts.lines or parts.nets else ""
-    if not what and (engine is not WIRES or stitched):
-        what = "overhead lines with stitch wires" if engine is WIRES else "overhead lines under such loads"
+    if not parts.overhead or parts.lines or parts.nets:
+        what = "all but overhead lines"
+    elif engine is not WIRES:
+        what = "overhead lines under such loads"
+    elif any(line is not None and line.ends == "anchored" for line in parts.overhead.values()):
+        what = "overhead lines with ends: anchored, whose tensions follow from all of their length"
+    elif any(line is not None and line.stitch_wire is not None for line in parts.overhead.values()):
+        what = "overhead lines with stitch wires"
     if what:
+        given, remedy = f"{run.window:g} m", "write geometry: linearised, or leave window out"
         yield missing(("run", "window"), what, given, remedy, feature="a window with geometry: nonlinear")
 
 

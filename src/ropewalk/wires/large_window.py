@@ -184,7 +184,8 @@ class Following:
 
     def _borders(self, r: Array) -> tuple[Integers, Array, Array, Array]:
         """Borders of all wires at positions r (axis, node) in m, as `LargeWindow` has them."""
-        s, border, follow, impedance = self._mesh.strands, [], [], []
+        s = self._mesh.strands
+        border, follow, impedance = list[tuple[int, int]](), list[Array](), list[float]()
         for a in np.flatnonzero(self.high > self.low):
             for i, d in ((int(self.low[a]), -1), (int(self.high[a]) - 1, 1)):
                 if not 0 < i < s.links[a]:
