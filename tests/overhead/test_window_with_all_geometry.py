@@ -63,7 +63,7 @@ def off(a: xr.Dataset, b: xr.Dataset, first: float, last: float) -> dict[str, fl
 
 
 def test_ten_spans_are_as_without_a_window() -> None:
-    # A wave that leaves the pantograph comes back after 5.6 s: what is left is of the ends, which waves along reach.
+    # A wave that leaves the pantograph comes back after 5.5 s: what is left is of the ends, which waves along reach.
     found = off(ran(10, 180.0), ran(10), 240.0, 360.0)
     assert found["mean"] < 0.05
     assert found["sigma"] < 0.4

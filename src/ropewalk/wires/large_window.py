@@ -143,9 +143,11 @@ class Following:
         )
         watched = np.flatnonzero((self._watched_x >= begin) & (self._watched_x < end))
         slow, fast = (self._near(which, x) for which, x in zip(self._ties, self._tie_x, strict=True))
+        border, follow, impedance, wave = self._borders(r[0])
         return LargeWindow(
-            self.low, self.high, *self._layer, slow, fast, held, elastic, watched, *self._borders(r[0]), self._length
-        )
+            self.low, self.high, *self._layer, slow, fast, held, elastic, watched, border, follow, impedance, wave,
+            self._length,
+        )  # fmt: skip
 
     def _near(self, ties: Integers, x: Array) -> Integers:
         """Those of some ties, in the order of their x in m, that share a node which moves."""
@@ -255,5 +257,5 @@ class Following:
                     work[DAMPED] += 0.5 * float((mass[axes, part] * rate**2).sum())  # lost
                     last[axes, part] = now[axes, part]
         self.low[:], self.high[:] = low, high
-        for a, side, _, end in self._beyond():
-            self._mark[a, side] = now[0, end]
+        for wire, side, _, end in self._beyond():
+            self._mark[wire, side] = now[0, end]
