@@ -119,7 +119,7 @@ def _try(name: str, what: Callable[[], tuple[float, float]]) -> None:
 
 
 def peak(spans: int) -> tuple[float, float]:
-    """Largest memory in GB of a process that computes two seconds of a long line, output and all; and its CPU seconds."""
+    """Largest memory in GB, and CPU seconds, of a process that computes two seconds of a long line, output and all."""
     ran = subprocess.run([sys.executable, "-m", "benchmarks.overhead", str(spans)], capture_output=True, text=True)
     memory, seconds = ran.stdout.split()
     return float(memory), float(seconds)
