@@ -90,6 +90,16 @@ def test_a_messenger_that_is_held_at_its_supports_is_so_beyond_the_window() -> N
     assert found["rms"] < 1.0
 
 
+def test_a_staggered_line_moves_sideways_in_its_window() -> None:
+    asked = {"steady_arms": {"stagger": "200 mm", "mass": 1 / 3}}
+    whole, cut = (simulate(scenario(8, window, DAMPED, **asked)) for window in (None, 150.0))
+    found = off(cut, whole, 120.0, 360.0)
+    assert found["sigma"] < 0.2
+    assert found["rms"] < 1.5
+    missed = [float(np.abs(result.energy.sel(form="imbalance")).max()) for result in (whole, cut)]
+    assert missed[1] < 2.0 * missed[0]  # J; both 0.1 of more than 50
+
+
 def test_what_leaves_the_window_is_in_the_account_of_energy() -> None:
     whole, cut = ran(10), ran(10, 120.0)
     missed = [float(np.abs(result.energy.sel(form="imbalance")).max()) for result in (whole, cut)]
