@@ -121,7 +121,7 @@ class Wires:
             potential = WirePotential(self.mesh, start.unstrained)
             self.motion: LargeMotion | SmallMotion = LargeMotion(
                 self.mesh, start.position, start.unstrained, self.moving_loads, run_info.step, self._first("first"),
-                inner, task.inertia, space=task.space, window=task.window, hold_at_rest=self._held(potential),
+                inner, task.inertia, space=task.space, window=task.window, hold_at_rest=self._hold_forces(potential),
             )  # fmt: skip
         else:
             run_info.reason = "Stoermer's method for small vertical motion about rest, with constant tensions"
@@ -370,9 +370,9 @@ class Wires:
         """Forces of all holds on their wires at the beginning, (hold, 3) N."""
         if self._potential is None:
             return self.motion.hold_at_rest
-        return self._held(self._potential)
+        return self._hold_forces(self._potential)
 
-    def _held(self, potential: WirePotential) -> Array:
+    def _hold_forces(self, potential: WirePotential) -> Array:
         """Forces of all holds at rest, (hold, 3) N."""
         node = self.mesh.holds.node
         at_ends = -potential.bare_pull(self._at_rest)[:, np.maximum(node, 0)].T

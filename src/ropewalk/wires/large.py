@@ -297,7 +297,7 @@ def advance(strands, threads, link_springs, holders, window, still, watched, mov
             restrain(holders, window.elastic[0], window.elastic[1], now, other, threads.gain, dt, stepping.work,
                      record.hold, row, step == 0)  # fmt: skip
             for sweep in range(sweeps):
-                constraint(holders, window.held[0], window.held[1], other, threads.gain, stepping.work, record.hold,
+                constraint(holders, window.rigid[0], window.rigid[1], other, threads.gain, stepping.work, record.hold,
                            row, step == 0, sweep == 0)  # fmt: skip
                 for k in range(moving_loads.owner.size):
                     if np.isinf(moving_loads.spring[k]):
@@ -315,7 +315,7 @@ def advance(strands, threads, link_springs, holders, window, still, watched, mov
                                    record.tie, row, False, t)  # fmt: skip
                     restrain(holders, window.elastic[0], window.elastic[1], now, other, threads.gain, dt, stepping.work,
                              record.hold, row, False)  # fmt: skip
-                    constraint(holders, window.held[0], window.held[1], other, threads.gain, stepping.work,
+                    constraint(holders, window.rigid[0], window.rigid[1], other, threads.gain, stepping.work,
                                record.hold, row, False, True)  # fmt: skip
                     follow_waves(window, still, now, other, dt, stepping.work)
                     now, other = other, now
@@ -452,7 +452,7 @@ class LargeMotion(Changing):
         if record.force.shape[0] * steps * self.inner % 2:
             self._r.reverse()
         if not self.window.is_whole:  # of what stands still nothing was recorded: it is counted from rest
-            near = self.window.holding()
+            near = self.window.holds_within()
             record.hold[near] += (self.mesh.holds.force - self.hold_at_rest)[near, :, None]
         return record.turned()
 

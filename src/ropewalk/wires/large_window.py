@@ -38,7 +38,7 @@ class LargeWindow(NamedTuple):
     rate: Array  # (wire,) 1/s, at which they do so at most
     slow: Integers  # ties that push once in a step
     fast: Integers  # ties along the wires
-    held: tuple[int, int]  # holders that hold fast: the first, and one beyond the last
+    rigid: tuple[int, int]  # holders that hold fast: the first, and one beyond the last
     elastic: tuple[int, int]  # the others
     watched: Integers  # points whose height is recorded
     border: Integers  # (border, 2) last node that moves, and the direction in which its wire goes on beyond it
@@ -95,7 +95,7 @@ class Following:
         self._marks = np.concatenate([*ends, self._hold_x])  # m along x
         axial = np.array([wire.axial_stiffness for wire in mesh.plan.wires])
         self._speed, self._impedance = np.sqrt(axial / (s.rho * inertia)), np.sqrt(axial * s.rho * inertia)
-        self._anchors = [self._held_along(a) for a in range(s.first.size)] if np.isfinite(width) else []
+        self._anchors = [self._anchors_of(a) for a in range(s.first.size)] if np.isfinite(width) else []
         self.is_whole = bool(np.isinf(width))
         self.low, self.high = np.zeros_like(s.links), np.zeros_like(s.links)  # nothing moves before the first step
         self.reach = np.array([np.inf, -np.inf])  # m, along x
@@ -105,7 +105,7 @@ class Following:
         if self.is_whole:
             self.high[:], self.reach[:] = s.links + 1, (-np.inf, np.inf)
 
-    def _held_along(self, a: int) -> Array:
+    def _anchors_of(self, a: int) -> Array:
         """Where a wire is held along x, in links, in order."""
         holds, s = self._mesh.holds, self._mesh.strands
         along = (holds.stiffness > 0.0) & (np.abs(holds.axes[:, :, 0]) > 0.0)
@@ -137,7 +137,7 @@ class Following:
             self._move_to(low, high, r, mass, work)
             self.reach[:] = begin, end
         begin, end = self._within()
-        held, elastic = (
+        rigid, elastic = (
             (first + int(np.searchsorted(x, begin)), first + int(np.searchsorted(x, end)))
             for x, first in ((self._holder_x[: self._fast], 0), (self._holder_x[self._fast :], self._fast))
         )
@@ -145,7 +145,7 @@ class Following:
         slow, fast = (self._near(which, x) for which, x in zip(self._ties, self._tie_x, strict=True))
         border, follow, impedance, wave = self._borders(r[0])
         return LargeWindow(
-            self.low, self.high, *self._layer, slow, fast, held, elastic, watched, border, follow, impedance, wave,
+            self.low, self.high, *self._layer, slow, fast, rigid, elastic, watched, border, follow, impedance, wave,
             self._length,
         )  # fmt: skip
 
@@ -165,7 +165,7 @@ class Following:
         edge = WIDTH * float(self._mesh.strands.h.max())
         return np.asarray(self.reach + np.array([edge, -edge]))
 
-    def holding(self) -> Integers:
+    def holds_within(self) -> Integers:
         """Numbers of all holds that hold something which moves."""
         begin, end = self._within()
         return np.flatnonzero((self._hold_x >= begin) & (self._hold_x < end))
