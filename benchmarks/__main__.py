@@ -70,7 +70,7 @@ def main() -> None:
     if what in ("all", "bodies"):
         bodies.main()
     if what in ("all", "overhead"):
-        overhead.main()
+        overhead.main(whole=asked.whole)
     if what in ("all", "nets"):
         nets.main()
     if what in ("all", "cosim"):

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import resource
+import subprocess
+import sys
 import time as clock
 from collections.abc import Callable
 from pathlib import Path
@@ -115,27 +118,57 @@ def _try(name: str, what: Callable[[], tuple[float, float]]) -> None:
     _line(name, seconds, f"step {step:.3g} ms")
 
 
-def main() -> None:
-    """Print the table."""
+def peak(spans: int) -> tuple[float, float]:
+    """Largest memory in GB, and CPU seconds, of a process that computes two seconds of a long line, output and all."""
+    ran = subprocess.run([sys.executable, "-m", "benchmarks.overhead", str(spans)], capture_output=True, text=True)
+    memory, seconds = ran.stdout.split()
+    return float(memory), float(seconds)
+
+
+def main(*, whole: bool = False) -> None:
+    """Print the table.
+
+    Args:
+        whole: with a line of 10 000 spans, which takes minutes and some GB.
+    """
     print("Overhead line and pantograph, EN 50318:2002 at 300 km/h; CPU time of the motion alone\n")
     for element in (0.5, 0.25):
         _line(f"for comparison: the bare stencil of 2 wires, {element} m", bare_stencil(element), "step 1 ms")
     for element in (0.5, 0.25):
         _try(f"linearised, 10 spans, {element} m",
              lambda e=element: motion_alone(reference(element=e, geometry="linearised")))  # fmt: skip
-    for spans in (10, 50, 200):
+    for spans in (10, 20, 40, 200, 1000):
         _try(f"linearised, {spans} spans, 0.25 m, window of 180 m",
              lambda n=spans: motion_alone(reference(n, geometry="linearised", window=180.0)))  # fmt: skip
     for spans, element in ((10, 0.5), (20, 0.5), (40, 0.5), (10, 0.25)):
         _try(f"nonlinear, {spans} spans, {element} m",
              lambda n=spans, e=element: motion_alone(reference(n, e, geometry="nonlinear"), 0.5))  # fmt: skip
+    for spans in (10, 20, 40, 200, 1000):
+        _try(f"nonlinear, {spans} spans, 0.5 m, window of 180 m",
+             lambda n=spans: motion_alone(reference(n, 0.5, geometry="nonlinear", window=180.0)))  # fmt: skip
     _try("nonlinear, 10 spans, 0.25 m, axial inertia x 4",
          lambda: motion_alone(reference(geometry="nonlinear", axial_inertia=4.0), 0.5))  # fmt: skip
     _line("Hermite elements, Newmark, 10 spans, 0.5 m", by_hermite(), "step 1 ms")
     print()
     _line("a whole run, linearised, 10 spans, 0.25 m", everything(reference(geometry="linearised")))
     _line("a whole run, nonlinear, 10 spans, 0.25 m", everything(reference(geometry="nonlinear")))
+    print("\nA process that forms a line with links of 0.25 m and moves it linearised for 2 s in a window of 180 m")
+    for spans in (10, 200, 1000, *((10_000,) if whole else ())):
+        memory, seconds = peak(spans)
+        print(f"{spans:6d} spans {memory:8.2f} GB at most, {seconds:6.0f} s of CPU", flush=True)
+
+
+def _one(spans: int) -> None:
+    """What `peak` measures: in a process of its own."""
+    run_info, times = RunInfo(), np.arange(0.0, 2.0, 0.05)
+    scenario = reference(spans, geometry="linearised", window=180.0, until=2.0)
+    for _ in TimeHistory(Wires(task_of(scenario), times, run_info), run_info).frames():
+        pass
+    print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6, clock.process_time())
 
 
 if __name__ == "__main__":
-    main()
+    if len(sys.argv) > 1:
+        _one(int(sys.argv[1]))
+    else:
+        main()

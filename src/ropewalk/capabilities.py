@@ -141,10 +141,29 @@ def unsupported(parts: Parts) -> Iterator[Finding]:
     parts = parts.on_a_mesh
     engine = engine_of(parts)
     known = parts.is_complete and None not in parts.lines.values()
+    yield from _window_with_all_geometry(engine, parts)
     for found in (engine.motion if isinstance(parts.run, Dynamic | Linear) else engine.at_rest).unsupported(parts):
         a_rope = not (parts.is_network or parts.has_bending_stiffness or isinstance(parts.run, Linear))
         if known or not a_rope or found.path[0] != "run":  # a line not known may have bending stiffness
             yield found
+
+
+def _window_with_all_geometry(engine: Engine, parts: Parts) -> Iterator[Finding]:
+    """A window in which wires have all geometry needs tensions that nothing far from it changes."""
+    run, what = parts.run, ""
+    if not isinstance(run, Dynamic) or run.window is None or run.geometry == "linearised":
+        return
+    if not parts.overhead or parts.lines or parts.nets:
+        what = "all but overhead lines"
+    elif engine is not WIRES:
+        what = "overhead lines under such loads"
+    elif any(line is not None and line.ends == "anchored" for line in parts.overhead.values()):
+        what = "overhead lines with ends: anchored, whose tensions follow from all of their length"
+    elif any(line is not None and line.stitch_wire is not None for line in parts.overhead.values()):
+        what = "overhead lines with stitch wires"
+    if what:
+        given, remedy = f"{run.window:g} m", "write geometry: linearised, or leave window out"
+        yield missing(("run", "window"), what, given, remedy, feature="a window with geometry: nonlinear")
 
 
 def _of_rest(engine: Engine, scenario: Scenario, *, with_loads: bool) -> list[Finding]:

@@ -221,6 +221,8 @@ def runs(s: Structure) -> Iterator[tuple[str, Tree]]:
     yield "whirls", dynamic(s, start={"kind": "mode", "amplitude": 0.02, "whirl": True})
     yield "axial inertia", dynamic(s, axial_inertia=4.0)
     yield "window", dynamic(s, window=8.0, **({} if s.run else {"geometry": "linearised"}))
+    if s.family == "overhead" and not s.run:
+        yield "window, all geometry", dynamic(s, window=20.0)
 
 
 RUNNING = ("none", "force", "mass", "vehicle")

@@ -66,8 +66,10 @@ def said(*settings: str) -> str:
         ),
         (["run.method=implicit"], ["overhead lines, given implicit; write auto or explicit"]),
         (
-            ["run.geometry=nonlinear", "run.window=100 m"],
-            ["run.window: goes with linearised geometry only, given 100 m; write geometry: linearised"],
+            ["run.window=100 m", "run.geometry=nonlinear",
+             f"{LINE}stitch_wire={{length: 12 m, tension: 2 kN}}"],
+            ["run.window: a window with geometry: nonlinear is not implemented for overhead lines with stitch wires, "
+             "given 100 m; write geometry: linearised, or leave window out"],
         ),
     ],
 )  # fmt: skip

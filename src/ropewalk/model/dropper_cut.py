@@ -13,7 +13,7 @@ from ropewalk.errors import Refused
 from ropewalk.model._base import Declaration, Finding, Path
 from ropewalk.model.quantity import Count, PositiveTime
 
-_MOST = 2000
+_MOST = 10_000
 
 
 @dataclass(frozen=True)

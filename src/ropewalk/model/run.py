@@ -125,8 +125,8 @@ class Dynamic(Declaration):
     )
     window: PositiveLength | None = Field(
         default=None,
-        description="with linearised geometry, only this far around the contacts do they move, along lines "
-        "and what is joined to them",
+        description="only this far around the contacts do they move, along lines and what is joined to them; with "
+        "linearised geometry, and with all geometry on overhead lines",
     )
     axial_inertia: Factor = Field(
         default=1.0,
@@ -142,9 +142,6 @@ class Dynamic(Declaration):
     @model_validator(mode="after")
     def _goes_together(self) -> Self:
         findings = []
-        if self.window is not None and self.geometry != "linearised":
-            remedy = "write geometry: linearised, or leave window out"
-            findings.append(Finding(("window",), "goes with linearised geometry only", f"{self.window:g} m", remedy))
         if self.axial_inertia < 1.0:
             wrong, remedy = "below 1 the step would shrink", "write 1 or more, or leave it out"
             findings.append(Finding(("axial_inertia",), wrong, f"{self.axial_inertia:g}", remedy))

@@ -13,7 +13,7 @@ from ropewalk.errors import Refused
 from ropewalk.model._base import Declaration
 from ropewalk.model.quantity import Count, Lengths, PositiveLength
 
-MOST_SPANS = 2000
+MOST_SPANS = 10_000
 
 
 class Spans(Declaration):

@@ -12,7 +12,7 @@ from ropewalk.checkpoint import Tree
 from ropewalk.results.audit import Audit
 from ropewalk.results.frames import summed
 from ropewalk.wires.equilibrium import WirePotential
-from ropewalk.wires.large import LargeMotion, correction
+from ropewalk.wires.large import LargeMotion
 from ropewalk.wires.mesh import Mesh, MovingLoads
 from ropewalk.wires.moving_loads import (
     ASIDE,
@@ -37,6 +37,7 @@ from ropewalk.wires.rest import rows, vertical_stiffness
 from ropewalk.wires.restraints import AHEAD, NOW
 from ropewalk.wires.small import SmallMotion
 from ropewalk.wires.spline import WIDTH
+from ropewalk.wires.threads import correction
 
 _NOTHING = 1e-100  # J: small motion begins with 1e-150 m instead of nothing, and weights are lifted so far
 

@@ -61,16 +61,15 @@ class Pictures:
         motion: of both.
         sample: s, from one sample to the next.
         potential: of a large motion.
-        watched: (point,) m, heights of watched points at rest.
         energies: of them.
     """
 
     def __init__(
         self, task: WireTask, mesh: Mesh, moving_loads: MovingLoads, motion: LargeMotion | SmallMotion, sample: float,
-        potential: WirePotential | None, watched: Array, energies: Energies,
+        potential: WirePotential | None, energies: Energies,
     ) -> None:  # fmt: skip
         self.task, self.mesh, self.moving_loads, self.motion, self.sample = task, mesh, moving_loads, motion, sample
-        self.axes, self._supports, self._energies, self._watched = axes_of(task), Reactions(mesh), energies, watched
+        self.axes, self._supports, self._energies = axes_of(task), Reactions(mesh), energies
         self._in_air = np.zeros(moving_loads.owner.size)  # s, of each contact up to the last frame
         ends, links = self._supports.ends, mesh.strands.links
         self._first = np.concatenate([[0], np.cumsum(links)[:-1]])  # (wire,) number of its first link
@@ -112,7 +111,7 @@ class Pictures:
         in_air = np.cumsum([self._in_air, *self.sample * ((before[0] == 0.0) & lifts).sum(axis=1)], axis=0)[1:]
         self._in_air[:] = in_air[-1]
         places, rates = self._bodies(then, station, r)
-        watched = np.where(np.abs(before[3]) < _NOTHING, 0.0, before[3] - self._watched)
+        watched = np.where(np.abs(before[3]) < _NOTHING, 0.0, before[3])
         of = {
             "position": displayed[:, self.axes].swapaxes(1, 2), "velocity": v[:, self.axes].swapaxes(1, 2),
             "tension": tension, "strain": strain, "body_position": places, "body_velocity": rates,

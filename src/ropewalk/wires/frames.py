@@ -29,7 +29,7 @@ from ropewalk.wires.mesh import moving_loads_of
 from ropewalk.wires.partners import SLIDES, WireExternalModel, WirePartner
 from ropewalk.wires.plan import Array, Integers
 from ropewalk.wires.prescribed_motion import inputs_of
-from ropewalk.wires.rest import WiresAtRest, rows
+from ropewalk.wires.rest import WiresAtRest
 from ropewalk.wires.small import SmallMotion
 from ropewalk.wires.stability import largest_step, largest_step_along
 from ropewalk.wires.step_inputs import ON_WIRE, Record, StepInputs
@@ -121,8 +121,7 @@ class Wires:
             potential = WirePotential(self.mesh, start.unstrained)
             self.motion: LargeMotion | SmallMotion = LargeMotion(
                 self.mesh, start.position, start.unstrained, self.moving_loads, run_info.step, self._first("first"),
-                inner,
-                task.inertia, space=task.space,
+                inner, task.inertia, space=task.space, window=task.window, hold_at_rest=self._hold_forces(potential),
             )  # fmt: skip
         else:
             run_info.reason = "Stoermer's method for small vertical motion about rest, with constant tensions"
@@ -140,14 +139,14 @@ class Wires:
         elif begun is not None:
             assert isinstance(self.motion, SmallMotion)
             self.motion.begin(begun[0][2] - self.motion.level, begun[1][2])
+        if np.isfinite(task.window):
+            run_info.reason += f"; {task.window:g} m around contacts move, {self._comes_back()}"
         self.motion.stepping.last[:] -= run_info.step * self._first("rate")
         # Contacts and wires that have been doubted.
         self._steep, self._pushed, self._left = set[str](), set[str](), set[str]()
         self._partners = [self._partner(*pair) for pair in zip(task.external_models, self.cosimulation, strict=True)]
-        watched = rows(self.motion.watched, self.mesh.nodes) @ self._at_rest[2]
         self._pictures = Pictures(
             self.task, self.mesh, self.moving_loads, self.motion, self.sample, potential,
-            watched if start.rest is None else np.zeros_like(watched),
             Energies(self.mesh, self.moving_loads, self.motion, start.position, start.unstrained),
         )  # fmt: skip
         self._potential, self._ahead = potential, _Ahead(0, np.zeros(1, dtype=np.int64), self._inputs(0.0, 1))
@@ -183,6 +182,16 @@ class Wires:
             partner.set_state(own)
         put({"stations": self._stations} | arrays_of(self._before), {"stations": tree["stations"]} | tree["before"])
         self._steep, self._pushed, self._left = (set(tree[key]) for key in ("steep", "pushed", "left"))
+
+    def _comes_back(self) -> str:
+        """When waves across wires come back to a load from the borders of the window, at the earliest."""
+        s, end = self.mesh.strands, np.array([0.0, self.times[-1]])
+        c, first = float(np.sqrt(np.maximum(s.tension, 0.0) / s.rho).max()), np.inf
+        for prescribed_motion in self.task.prescribed_motions:
+            v = abs(float(np.diff(prescribed_motion.place(end))[0])) / max(float(end[1]), 1e-300)
+            if v < c:  # W / (c - v) to the border that the load goes towards, W / (c + v) back; as long the other way
+                first = min(first, 2.0 * self.task.window * c / (c**2 - v**2))
+        return f"from whose borders waves come back after {first:.3g} s" if np.isfinite(first) else "no wave comes back"
 
     def _doubt_sag(self, rest: WiresAtRest) -> None:
         """Small motion is about a rest that is nearly straight: nothing that sags stretches there."""
@@ -361,9 +370,13 @@ class Wires:
         """Forces of all holds on their wires at the beginning, (hold, 3) N."""
         if self._potential is None:
             return self.motion.hold_at_rest
+        return self._hold_forces(self._potential)
+
+    def _hold_forces(self, potential: WirePotential) -> Array:
+        """Forces of all holds at rest, (hold, 3) N."""
         node = self.mesh.holds.node
-        at_ends = -self._potential.bare_pull(self._at_rest)[:, np.maximum(node, 0)].T
-        return np.where((node < 0)[:, None], self._potential.hold_forces(self._at_rest), at_ends)
+        at_ends = -potential.bare_pull(self._at_rest)[:, np.maximum(node, 0)].T
+        return np.asarray(np.where((node < 0)[:, None], potential.hold_forces(self._at_rest), at_ends))
 
     def ties_at_first(self) -> Array:
         """Forces of all ties at the beginning, (tie,) N."""

@@ -8,13 +8,14 @@ while ties and moving loads push once in each step (docs/notes/wires.md).
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 
 from ropewalk.checkpoint import Arrays, Changing, arrays_of
 from ropewalk.mechanics.compiled import entry_of, inlined, lean, lean_inner
+from ropewalk.wires.absorbing_layer import absorb
 from ropewalk.wires.damping import EVERY, dissipated
+from ropewalk.wires.large_window import Following, follow_waves
 from ropewalk.wires.mesh import Mesh, MovingLoads, places_of
 from ropewalk.wires.moving_loads import (
     CHANGES,
@@ -33,86 +34,15 @@ from ropewalk.wires.moving_loads import (
     sweeps_of,
 )
 from ropewalk.wires.plan import Array
-from ropewalk.wires.rest import rows, slowed_ends, without_supports
 from ropewalk.wires.restraints import MOVES, constraint, coordinates, holders_of, move_places, restrain
 from ropewalk.wires.spline import WIDTH, weights
 from ropewalk.wires.springs import add_tie_forces, link_springs_of, steady_of
-from ropewalk.wires.step_inputs import ABSENT, Record, StepInputs
+from ropewalk.wires.step_inputs import ABSENT, ON_WIRE, Record, StepInputs
+from ropewalk.wires.threads import components, threads_of
 
 # Strain up to which tension over length follows from a series: its error is 1e-11 of the tension there.
 SMALL_STRAIN = 5e-3
 _CLOSE = 1e-9  # links: how closely a place of given x is sought
-
-
-class Threads(NamedTuple):
-    """What an inner step of a given length needs of the wires."""
-
-    bending: Array  # (wire,) N m^2, corrected
-    gain: Array  # (axis, node) m/N, displacement by a force during a step, less where axial inertia is scaled up
-    kick: Array  # (axis, node) m/N, in the first inner step for a force of a whole step
-    keep: Array  # (wire,) part of the last displacement that is kept, 1 without drag
-    keep_end: Array  # (end,) the same of its last nodes, whose supports have a mass without drag
-    fall: Array  # (axis, node) m during a step, by weight and constant forces; what the correction bends at rest, back
-    pull: Array  # (node,) N/m, axial stiffness over unstrained length of the link behind the node
-    rest: Array  # (node,) 1/m^2, one over the square of that length
-    mass: Array  # (axis, node) kg, of which drag takes its part
-    damped: bool  # whether any wire is
-
-
-def threads_of(mesh: Mesh, position: Array, rest: Array, step: float, inner: int, inertia: float = 1.0) -> Threads:
-    """Prepare inner steps.
-
-    Args:
-        mesh: the wires.
-        position: (axis, node) m at rest, which keeps the real bending stiffness.
-        rest: (node,) m, unstrained length of the link behind each node (those of last nodes are not used).
-        step: s, of an inner step.
-        inner: number of them in a step.
-        inertia: factor on the mass for motion along x.
-    """
-    s, plan = mesh.strands, mesh.plan
-    T = np.maximum(s.tension, 0.0)
-    bending = s.stiffness + T * (s.h**2 - T / s.rho * step**2) / 12.0
-    ends, axes = np.stack([s.first, s.first + s.links], axis=1).ravel(), _axes(position)
-    slow, slow_end = 1.0 + 0.5 * step * s.drag, slowed_ends(mesh, step)
-    slowed = np.repeat(slow, s.links + 1)
-    slowed[ends] = slow_end
-    gain = step**2 / mesh.mass / slowed / np.array([inertia, *np.ones(len(axes) - 1)])[:, None]
-    gain[(mesh.fixed & ~mesh.driven)[axes]] = 0.0
-    EA = np.repeat([wire.axial_stiffness for wire in plan.wires], s.links + 1)
-    steady = correction(mesh, position, bending)
-    steady[0] = 0.0  # only waves across are corrected
-    steady[-1] -= plan.gravity * mesh.mass
-    steady[1:-1] += mesh.sideways  # in space
-    steady += (rows(mesh.holds.at, mesh.nodes).T @ mesh.holds.force).T[axes]
-    return Threads(
-        bending, gain, inner * gain, (2.0 - slow) / slow, (2.0 - slow_end) / slow_end, gain * steady,
-        EA / rest, 1.0 / rest**2, np.outer([inertia, *np.ones(len(axes) - 1)], without_supports(mesh)),
-        bool(s.drag.any() or s.retardation.any()),
-    )  # fmt: skip
-
-
-def correction(mesh: Mesh, position: Array, bending: Array) -> Array:
-    """Forces that undo, in the shape of rest, what the correction of the bending stiffness adds, (axis, node) N."""
-    s, out = mesh.strands, np.zeros_like(position)
-    for a, n in enumerate(s.links):
-        bent = np.diff(position[:, mesh.of(a)], 2, axis=1) * (bending[a] - s.stiffness[a]) / s.h[a] ** 3
-        own = out[:, mesh.of(a)]
-        own[:, :-2] += bent
-        own[:, 1:-1] -= 2.0 * bent
-        own[:, 2:] += bent
-        for side, (end, i, d) in enumerate(((s.first[a], 0, 1), (s.first[a] + n, n, -1))):
-            if s.clamped[a, side]:
-                straight = mesh.straight()[:, end + d] - mesh.straight()[:, end]
-                turn = position[:, end + d] - position[:, end] - straight[_axes(position)]
-                turn *= 2.0 * (bending[a] - s.stiffness[a]) / s.h[a] ** 3
-                own[:, i + d] += turn
-                own[:, i] -= turn
-    return out
-
-
-def _axes(position: Array) -> list[int]:
-    return [0, 1, 2] if position.shape[0] == 3 else [0, 2]
 
 
 @lean_inner
@@ -189,11 +119,15 @@ def _end(now, other, felt, ql, qi, gain, e, d, keep, keep_end, b, t, fall, bed, 
 
 
 @inlined
-def _move(strands, threads, now, other, buffers, q, level, slope, small, dt):
+def _move(strands, threads, window, now, other, buffers, q, level, slope, small, dt):
     """Let the wires go on for a step."""
     axes, up = now.shape[0], now.shape[0] - 1
     for a in range(strands.first.size):
-        i, n, h, keep = strands.first[a], strands.links[a], strands.h[a], threads.keep[a]
+        low, high, links = window.low[a], window.high[a], strands.links[a]
+        if low >= high:
+            continue
+        i, h, keep = strands.first[a] + max(low - 2, 0), strands.h[a], threads.keep[a]
+        n = strands.first[a] + min(high + 1, links) - i  # links that count, from node i on
         late, b, bed = strands.retardation[a] / dt, 0.0, strands.bed[a] * h
         if axes == 2:
             _stretch(now[0], None, now[1], threads.rest, threads.pull, q, i, n, small)
@@ -215,6 +149,8 @@ def _move(strands, threads, now, other, buffers, q, level, slope, small, dt):
             else:
                 _along(now[c], other[c], None, q, gain, i, n, keep, b, t, fall, k, None)
             for side in range(2):
+                if (low if side == 0 else links - high + 1) > 1:
+                    continue
                 e, d = (i, 1) if side == 0 else (i + n, -1)
                 ql, qi = (q[e], q[e + 1]) if side == 0 else (q[e - 1], q[e - 2])
                 _end(now[c], other[c], felt, ql, qi, gain, e, d, keep, threads.keep_end[2 * a + side], b, t, fall, k,
@@ -222,19 +158,20 @@ def _move(strands, threads, now, other, buffers, q, level, slope, small, dt):
 
 
 @lean_inner
-def _lost(strands, threads, now, other, dt):
+def _lost(strands, threads, window, now, other, dt):
     """What all wires lose while they move from the other to the one in dt, by time, W."""
     lost = 0.0
     for a in range(strands.first.size):
-        h, part = strands.h[a], slice(strands.first[a], strands.first[a] + strands.links[a] + 1)
-        if strands.drag[a] == 0.0 and strands.retardation[a] == 0.0:
+        low, high = window.low[a], window.high[a]
+        h, part = strands.h[a], slice(strands.first[a] + low, strands.first[a] + high)
+        if low >= high or (strands.drag[a] == 0.0 and strands.retardation[a] == 0.0):
             continue
         for c in range(now.shape[0]):
             lost += dissipated(
                 other[c, part], now[c, part], now[c, part], 1.0, threads.mass[c, part], strands.drag[a],
                 strands.retardation[a], strands.tension[a] / h,
                 (strands.stiffness[a] if c == 0 else threads.bending[a]) / (h * h * h), 0.0,
-                strands.clamped[a, 0], strands.clamped[a, 1],
+                low == 0 and strands.clamped[a, 0], high > strands.links[a] and strands.clamped[a, 1],
             )  # fmt: skip
     return lost / (dt * dt)
 
@@ -318,11 +255,13 @@ def _join(strands, threads, moving_loads, stepping, other, inputs, record, row, 
 
 
 @lean
-def advance(strands, threads, link_springs, holders, watched, moving_loads, stepping, level, slope, now, other, buffers,
-            q, small, inner, inputs, record, steps, sweeps, w):  # fmt: skip
+def advance(strands, threads, link_springs, holders, window, still, watched, moving_loads, stepping, level, slope, now,
+            other, buffers, q, small, inner, inputs, record, steps, sweeps, w):  # fmt: skip
     """Go on by all rows of the record.
 
     Args:
+        window: what moves.
+        still: (axis, node) m, positions at rest.
         level: (node,) m, heights at which beds are without force.
         slope: (end, axis) m, differences of the first two nodes that clamped ends ask for.
         now, other: (axis, node) m, at the present instant and a step before it; they change places with every step.
@@ -336,46 +275,52 @@ def advance(strands, threads, link_springs, holders, watched, moving_loads, step
     axes, whole, dt = now.shape[0], record.force.shape[0] * steps, stepping.step / inner
     every = min(max(1, EVERY // inner), max(1, whole // 4))
     for row in range(record.force.shape[0]):
-        for p in range(watched.base.size):
+        for p in window.watched:
             for k in range(WIDTH):
-                record.watched[p, row] += watched.weight[p, k] * now[axes - 1, watched.base[p] + k]
+                i = watched.base[p] + k
+                record.watched[p, row] += watched.weight[p, k] * (now[axes - 1, i] - still[axes - 1, i])
         for i in range(moving_loads.size.size):
             for c in range(moving_loads.size[i]):
                 record.body[row, i, c] = stepping.q[i, c]
         for step in range(steps):
             move_places(holders, between_rows(inputs.time, row, (step + 1.0 / inner) / steps))
-            _move(strands, threads, now, other, buffers, q, level, slope, small, dt)
+            _move(strands, threads, window, now, other, buffers, q, level, slope, small, dt)
             t = between_rows(inputs.time, row, step / steps)
-            add_tie_forces(link_springs, link_springs.slow, now, other, threads.kick, stepping.step, stepping.work,
+            add_tie_forces(link_springs, window.slow, now, other, threads.kick, stepping.step, stepping.work,
                            record.tie, row, step == 0, t)  # fmt: skip
-            add_tie_forces(link_springs, link_springs.fast, now, other, threads.gain, dt, stepping.work, record.tie,
+            add_tie_forces(link_springs, window.fast, now, other, threads.gain, dt, stepping.work, record.tie,
                            row, step == 0, t)  # fmt: skip
             begin(moving_loads, stepping, inputs.push, row, step / steps)
             for k in range(moving_loads.owner.size):
                 _touch(strands, threads, moving_loads, stepping, now, other, inputs, record, row, step, steps, k, w)
             advance_moving_loads(moving_loads, stepping)
-            restrain(holders, holders.fast, holders.hold.size, now, other, threads.gain, dt, stepping.work, record.hold,
-                     row, step == 0)  # fmt: skip
+            restrain(holders, window.elastic[0], window.elastic[1], now, other, threads.gain, dt, stepping.work,
+                     record.hold, row, step == 0)  # fmt: skip
             for sweep in range(sweeps):
-                constraint(holders, other, threads.gain, stepping.work, record.hold, row, step == 0, sweep == 0)
+                constraint(holders, window.rigid[0], window.rigid[1], other, threads.gain, stepping.work, record.hold,
+                           row, step == 0, sweep == 0)  # fmt: skip
                 for k in range(moving_loads.owner.size):
                     if np.isinf(moving_loads.spring[k]):
                         _join(strands, threads, moving_loads, stepping, other, inputs, record, row, step, steps, k, w)
             settle_accounts(moving_loads, stepping)
+            absorb(strands, window, threads.mass[axes - 1], now, other, 1, dt, stepping.step, stepping.work)
+            follow_waves(window, still, now, other, dt, stepping.work)
             gone = row * steps + step
             now, other = other, now
             for part in range(inner):
                 if part > 0:
                     move_places(holders, between_rows(inputs.time, row, (step + (part + 1.0) / inner) / steps))
-                    _move(strands, threads, now, other, buffers, q, level, slope, small, dt)
-                    add_tie_forces(link_springs, link_springs.fast, now, other, threads.gain, dt, stepping.work,
+                    _move(strands, threads, window, now, other, buffers, q, level, slope, small, dt)
+                    add_tie_forces(link_springs, window.fast, now, other, threads.gain, dt, stepping.work,
                                    record.tie, row, False, t)  # fmt: skip
-                    restrain(holders, holders.fast, holders.hold.size, now, other, threads.gain, dt, stepping.work,
+                    restrain(holders, window.elastic[0], window.elastic[1], now, other, threads.gain, dt, stepping.work,
                              record.hold, row, False)  # fmt: skip
-                    constraint(holders, other, threads.gain, stepping.work, record.hold, row, False, True)
+                    constraint(holders, window.rigid[0], window.rigid[1], other, threads.gain, stepping.work,
+                               record.hold, row, False, True)  # fmt: skip
+                    follow_waves(window, still, now, other, dt, stepping.work)
                     now, other = other, now
                 if part == inner // 2 and threads.damped and gone % every == 0:  # in the middle between two pushes
-                    lost = _lost(strands, threads, now, other, dt)
+                    lost = _lost(strands, threads, window, now, other, dt)
                     stepping.work[DAMPED] += min(every, whole - gone) * stepping.step * lost
 
 
@@ -392,11 +337,14 @@ class LargeMotion(Changing):
         inner: steps of the wires alone in each step; 1 where contacts are rigid.
         inertia: factor on the mass for motion along x, which lets the step grow by its root.
         space: whether anything moves sideways.
+        window: half width of what moves around the contacts, m; everything if infinite.
+        hold_at_rest: (hold, 3) N, forces of all holds at rest; needed where a window is finite.
     """
 
     def __init__(
         self, mesh: Mesh, position: Array, rest: Array, moving_loads: MovingLoads, step: float, q: Array,
-        inner: int = 1, inertia: float = 1.0, *, space: bool = False,
+        inner: int = 1, inertia: float = 1.0, *, space: bool = False, window: float = np.inf,
+        hold_at_rest: Array | None = None,
     ) -> None:  # fmt: skip
         self.mesh, self.moving_loads, self.rest, axes = mesh, moving_loads, rest, [0, 1, 2] if space else [0, 2]
         self.inertia, self.inner = inertia, inner
@@ -414,14 +362,18 @@ class LargeMotion(Changing):
         self._slope[1::2] = (straight[:, ends - 1] - straight[:, ends]).T
         self._r = [np.ascontiguousarray(position[axes]) for _ in range(2)]  # now, a step before
         self._side = position[1].copy()
+        self.window = Following(
+            mesh, position[axes], window, step / inner, inertia, self.link_springs, self.holders, self.watched
+        )
         self._buffers = np.zeros(mesh.nodes), np.zeros(mesh.nodes)
-        self.tie_at_rest, self.hold_at_rest = np.zeros(len(mesh.plan.ties)), mesh.holds.force
+        self.tie_at_rest = self.link_springs.rest
+        self.hold_at_rest = mesh.holds.force if hold_at_rest is None or self.window.is_whole else hold_at_rest
         self._w = np.zeros((3, WIDTH))
         self._advance: Callable[..., object] | None = None
 
     def begin(self, position: Array, velocity: Array) -> None:
         """Go on from positions in m and velocities of half an inner step before in m/s, (3, node)."""
-        axes, step = _axes(self._r[0]), self.stepping.step
+        axes, step = components(self._r[0]), self.stepping.step
         self._r[0][:] = position[axes]
         self._r[1][:] = self._r[0] - velocity[axes] * (step / self.inner)
         self.link_springs.last[:] = link_springs_of(self.mesh, position - step * velocity).last
@@ -430,11 +382,13 @@ class LargeMotion(Changing):
     @property
     def position(self) -> Array:
         """Positions of all nodes now, (3, node) m."""
+        self.window.settle(self._r)
         return self._spread(self._r[0], self._side)
 
     @property
     def velocity(self) -> Array:
         """Velocities of all nodes half an inner step ago, (3, node) m/s."""
+        self.window.settle(self._r)
         return self._spread((self._r[0] - self._r[1]) * (self.inner / self.stepping.step), np.zeros_like(self._side))
 
     @property
@@ -452,6 +406,7 @@ class LargeMotion(Changing):
     @property
     def both(self) -> list[Array]:
         """Positions of all nodes now and an inner step ago, (3, node) m."""
+        self.window.settle(self._r)
         return [self._spread(r, self._side) for r in self._r]
 
     def seen(self, both: Array) -> tuple[Array, Array]:
@@ -468,7 +423,7 @@ class LargeMotion(Changing):
         springs = arrays_of(self.link_springs, "last", "rate", "failed")
         return {
             "pace": arrays_of(self.stepping, *CHANGES), "springs": springs, "holders": arrays_of(self.holders, *MOVES),
-            "nodes": {"now": now, "last": last},
+            "nodes": {"now": now, "last": last}, "window": self.window.changing(),
         }  # fmt: skip
 
     def _spread(self, values: Array, aside: Array) -> Array:
@@ -481,20 +436,33 @@ class LargeMotion(Changing):
 
     def go(self, inputs: StepInputs, steps: int = 1) -> Record:
         """Go on by the rows of the drive but the last, `steps` steps each."""
-        plan = self.mesh.plan
+        plan, on = self.mesh.plan, inputs.where == ON_WIRE
         count = inputs.station.shape[0] - 1
         record = Record.of(count, self.moving_loads, len(plan.ties), len(plan.holds), self.watched)
-        strain = self.strain(self._r[0])
-        strain[self.mesh.strands.first + self.mesh.strands.links] = 0.0
-        small = bool(np.abs(strain).max() < 0.5 * SMALL_STRAIN)
+        wires = np.broadcast_to(self.moving_loads.wire, on.shape)[on]
+        window = self.window.around(wires, inputs.station[on], self._r, self.threads.mass, self.stepping.work)
         arguments = (
-            self.mesh.strands, self.threads, self.link_springs, self.holders, self.watched, self.moving_loads,
-            self.stepping, self._level, self._slope, *self._r, *self._buffers, small, self.inner, inputs, record, steps,
-            sweeps_of(self.moving_loads, self.holders.fast), self._w,
+            self.mesh.strands, self.threads, self.link_springs, self.holders, window, self.window.still, self.watched,
+            self.moving_loads, self.stepping, self._level, self._slope, *self._r, *self._buffers, self._is_small(),
+            self.inner, inputs, record, steps, sweeps_of(self.moving_loads, self.holders.fast), self._w,
         )  # fmt: skip
         if self._advance is None:
             self._advance = entry_of(advance, arguments)
         self._advance(*arguments)
         if record.force.shape[0] * steps * self.inner % 2:
             self._r.reverse()
+        if not self.window.is_whole:  # of what stands still nothing was recorded: it is counted from rest
+            near = self.window.holds_within()
+            record.hold[near] += (self.mesh.holds.force - self.hold_at_rest)[near, :, None]
         return record.turned()
+
+    def _is_small(self) -> bool:
+        """Whether the strains of all that moves are small."""
+        most = 0.0
+        for first, low, high in zip(self.mesh.strands.first, self.window.low, self.window.high, strict=True):
+            part = slice(int(first + low), int(first + high))
+            if high > low:
+                step = np.diff(self._r[0][:, part])
+                strain = np.sqrt((step**2).sum(axis=0)) / self.rest[part][:-1] - 1.0
+                most = max(most, float(np.abs(strain).max()))
+        return most < 0.5 * SMALL_STRAIN

@@ -40,6 +40,7 @@ class Holders(NamedTuple):
     x: Array  # m, to know whether it lies in a window
     first: Integers  # where the table of its displacement begins
     instants: Integers
+    driven: Integers  # holders that are displaced
     time: Array  # s
     value: Array  # m along the way
     moved: Array  # (holder, 3) m, displacement A_STEP_AGO, NOW and AHEAD of a step; after it, AHEAD is the present
@@ -85,18 +86,17 @@ def holders_of(mesh: Mesh, gain: Array, axes: Sequence[int], position: Array, pl
         int((~elastic).sum()), hold, holds.at.base[hold], np.ascontiguousarray(weight),
         np.ascontiguousarray(way[:, list(axes)]), spring(holds.stiffness[hold, axis], holds.at.local[hold]),
         holds.damping[hold, axis], (way * place[hold]).sum(axis=1), np.array([s for *_, s in found]) + local, local,
-        x[hold], np.cumsum(instants) - instants, instants, np.concatenate(times), np.concatenate(tables),
-        np.zeros((hold.size, 3)), here, here.copy(), np.zeros(hold.size),
+        x[hold], np.cumsum(instants) - instants, instants, np.flatnonzero(instants > 1), np.concatenate(times),
+        np.concatenate(tables), np.zeros((hold.size, 3)), here, here.copy(), np.zeros(hold.size),
     )  # fmt: skip
 
 
 @inlined
 def move_places(holders, t):
     """Begin a step that ends at time t in s."""
-    for e in range(holders.instants.size):
-        if holders.instants[e] > 1:
-            holders.moved[e, A_STEP_AGO], holders.moved[e, NOW] = holders.moved[e, NOW], holders.moved[e, AHEAD]
-            holders.moved[e, AHEAD] = look_up(holders.time, holders.value, holders.first[e], holders.instants[e], t)
+    for e in holders.driven:
+        holders.moved[e, A_STEP_AGO], holders.moved[e, NOW] = holders.moved[e, NOW], holders.moved[e, AHEAD]
+        holders.moved[e, AHEAD] = look_up(holders.time, holders.value, holders.first[e], holders.instants[e], t)
 
 
 def coordinates(holders: Holders, r: Array) -> Array:
@@ -163,9 +163,9 @@ def restrain(holders, begin, end, now, other, gain, dt, work, found, row, noted)
 
 
 @inlined
-def constraint(holders, other, gain, work, found, row, noted, begins):
+def constraint(holders, begin, end, other, gain, work, found, row, noted, begins):
     """What holds fast, or goes as prescribed, at the end of a step; `begins`: in the first sweep over all of them."""
-    for e in range(holders.fast):
+    for e in range(begin, end):
         if begins:
             holders.force[e] = 0.0
         gap = holders.place[e] + holders.moved[e, AHEAD] - coordinate(holders, e, other)

@@ -33,6 +33,7 @@ class LinkSprings(NamedTuple):
     strength: Array  # N, that tears it
     fails_at: Array  # s
     failed: Array  # (spring, 2) when it did, s, and under which force, N; infinite: it has not
+    rest: Array  # N at rest, which what is recorded is counted from
     steady: Array  # (spring, 2) N on the one end at rest, sideways and upwards: put on all the time, and not as pushes
     slow: Integers  # springs that push once a step; they stand across the wires
     fast: Integers  # springs along the wires, which go with the wires' own steps; nothing of theirs is steady
@@ -46,12 +47,13 @@ def link_springs_of(mesh: Mesh, position: Array) -> LinkSprings:
     away += np.where(np.isfinite(ties.ground), ties.ground, 0.0)
     last = np.sqrt((away**2).sum(axis=1))
     longer = last - ties.length
-    pulls = np.where(ties.lengthwise, 0.0, np.where(longer > 0.0, pull, push) * longer / last)
+    rest = np.where(longer > 0.0, pull, push) * longer
+    pulls = np.where(ties.lengthwise, 0.0, rest / last)
     return LinkSprings(
         ties.one.base, ties.other.base, np.stack([ties.one.weight, ties.other.weight], axis=1), ties.ground,
         away[:, 1].copy(), ties.length, pull, push, ties.damping, last, np.zeros_like(last),
-        ties.strength, ties.fails_at * (1.0 - ROUNDING), np.full((last.size, 2), np.inf), pulls[:, None] * away[:, 1:],
-        np.flatnonzero(~ties.lengthwise), np.flatnonzero(ties.lengthwise),
+        ties.strength, ties.fails_at * (1.0 - ROUNDING), np.full((last.size, 2), np.inf), rest,
+        pulls[:, None] * away[:, 1:], np.flatnonzero(~ties.lengthwise), np.flatnonzero(ties.lengthwise),
     )  # fmt: skip
 
 
@@ -120,7 +122,7 @@ def add_tie_forces(link_springs, which, now, other, gain, dt, work, found, row, 
             N = 0.0
         last[e] = size
         if noted:
-            found[e, row] = N
+            found[e, row] = N - link_springs.rest[e]
         N /= size
         _give(out_x, gain[0], i, weight, e, 0, N * dx)
         _give(out_z, gain[axes - 1], i, weight, e, 0, N * dz - steady[e, 1])

@@ -34,9 +34,9 @@ class Record(NamedTuple):
     force: Array  # (row, contact) N upwards on the wire
     height: Array  # (row, contact) m, of the wire at the contact
     body: Array  # (row, moving load, C) m, coordinates
-    tie: Array  # (row, tie) N, pull; in small motion its change since rest
+    tie: Array  # (row, tie) N, change of pull since rest
     hold: Array  # (row, hold, 3) N on the wire; in small motion its change since rest
-    watched: Array  # (row, point) m, height of watched points; in small motion over rest
+    watched: Array  # (row, point) m, height of watched points over rest
 
     @staticmethod
     def of(rows: int, moving_loads: MovingLoads, ties: int, holds: int, watched: Places) -> Record:

@@ -1,0 +1,167 @@
+"""A window on the nonlinear motion of overhead lines: only what is near the pantographs moves.
+
+Source: the same motion of the whole line, EN 50318:2002 at 300 km/h, with links of 0.5 m.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from overhead_cases import EN_2002
+from ropewalk.model import Scenario
+from ropewalk.results.contact_statistics import filtered, samples
+from ropewalk.results.frame import RunInfo
+from ropewalk.simulate import simulate
+from ropewalk.wires.frames import Wires
+from ropewalk.wiring import task_of
+
+DAMPED = {"drag": 0.0125, "retardation": "100 us"}  # as of the simple AC line
+HELD = {"messenger_supports": {"along": "held"}}
+
+
+def scenario(spans: int, window: float | None, damping: dict[str, Any] | None = None, **changed: Any) -> Scenario:
+    wires = {key: EN_2002[key] | (damping or {}) for key in ("contact_wire", "messenger_wire")}
+    own = {"spans": {"count": spans, "length": "60 m"}, "element": "0.5 m", "analysed_spans": None}
+    run = {"kind": "dynamic", "until": (60.0 * spans - 20.0) / (300.0 / 3.6), "every": 0.05, "window": window}
+    run |= changed.pop("run", {})
+    travel = {"speed": "300 km/h", "from": "10 m"}
+    load = {"kind": "pantograph", "on": "line", "model": "en50318-2002", "travel": travel}
+    line, run = ({k: v for k, v in block.items() if v is not None} for block in (EN_2002 | wires | own | changed, run))
+    return Scenario.model_validate({"overhead_lines": {"line": line}, "loads": {"head": load}, "run": run})
+
+
+@cache
+def ran(spans: int, window: float | None = None, *, damped: bool = False, held: bool = False) -> xr.Dataset:
+    found = simulate(scenario(spans, window, DAMPED if damped else None, **(HELD if held else {})))
+    assert found.attrs["outcome"] == "completed"
+    return found
+
+
+def force(result: xr.Dataset, first: float, last: float) -> np.ndarray:
+    """Filtered force between two stations in m."""
+    found = samples(result).isel(contact=0)
+    station = found.station.values
+    return filtered(found.force.values, 1e-3)[(station > first) & (station < last)]
+
+
+def off(a: xr.Dataset, b: xr.Dataset, first: float, last: float) -> dict[str, float]:
+    """By how much two runs differ: statistics of force in N, rms of its difference, largest uplift in mm."""
+    one, other = (force(result, first, last) for result in (a, b))
+    rise = [np.nanmax(result.sampled_uplift.values, axis=(0, 1))[1:-1] for result in (a, b)]
+    found = {
+        "mean": one.mean() - other.mean(), "sigma": one.std() - other.std(), "largest": one.max() - other.max(),
+        "smallest": one.min() - other.min(), "rms": np.sqrt(np.mean((one - other) ** 2)),
+        "uplift": 1e3 * float(np.abs(rise[0] - rise[1]).max()),
+    }  # fmt: skip
+    print({key: round(float(value), 3) for key, value in found.items()})
+    return {key: abs(float(value)) for key, value in found.items()}
+
+
+def test_ten_spans_are_as_without_a_window() -> None:
+    # A wave that leaves the pantograph comes back after 5.5 s: what is left is of the ends, which waves along reach.
+    found = off(ran(10, 180.0), ran(10), 240.0, 360.0)
+    assert found["mean"] < 0.05
+    assert found["sigma"] < 0.4
+    assert max(found["largest"], found["smallest"], found["rms"]) < 1.8
+    assert found["uplift"] < 0.5
+
+
+def test_twenty_damped_spans_are_as_without_a_window_for_longer_than_waves_take_to_come_back() -> None:
+    found = off(ran(20, 180.0, damped=True), ran(20, damped=True), 240.0, 1080.0)
+    assert found["mean"] < 0.05
+    assert found["sigma"] < 0.5  # what in the whole line comes back from further away than the window
+    assert found["uplift"] < 1.5  # of 52 mm; it is the largest in 14 s
+
+
+def test_the_error_falls_with_the_width_of_the_window() -> None:
+    whole = ran(20, damped=True)
+    errors = [off(ran(20, width, damped=True), whole, 240.0, 960.0)["rms"] for width in (60.0, 120.0, 240.0)]
+    assert errors[0] > 1.5 * errors[1] > 1.5 * 1.5 * errors[2]
+
+
+def test_a_messenger_that_is_held_at_its_supports_is_so_beyond_the_window() -> None:
+    found = off(ran(10, 180.0, held=True), ran(10, held=True), 240.0, 360.0)
+    assert found["sigma"] < 0.2
+    assert found["rms"] < 1.0
+
+
+def test_a_staggered_line_moves_sideways_in_its_window() -> None:
+    asked = {"steady_arms": {"stagger": "200 mm", "mass": 1 / 3}}
+    whole, cut = (simulate(scenario(8, window, DAMPED, **asked)) for window in (None, 150.0))
+    found = off(cut, whole, 120.0, 360.0)
+    assert found["sigma"] < 0.2
+    assert found["rms"] < 1.5
+    missed = [float(np.abs(result.energy.sel(form="imbalance")).max()) for result in (whole, cut)]
+    assert missed[1] < 2.0 * missed[0]  # J; both 0.1 of more than 50
+
+
+def test_what_leaves_the_window_is_in_the_account_of_energy() -> None:
+    whole, cut = ran(10), ran(10, 120.0)
+    missed = [float(np.abs(result.energy.sel(form="imbalance")).max()) for result in (whole, cut)]
+    lost = float(cut.energy.sel(form="line_damping")[-1])  # J; the line itself has no damping
+    print(missed, lost)
+    assert float(whole.energy.sel(form="line_damping")[-1]) == 0.0
+    assert 20.0 < lost < 100.0  # of 116 J that the pantograph gives
+    assert missed[1] < 1.5 * missed[0]  # J, of more than 100 J that are turned over
+
+
+def test_far_from_the_pantograph_everything_rests() -> None:
+    result = ran(20, 120.0)
+    early = result.isel(time=20)  # 1 s: the pantograph is at 93 m
+    x = result.position.values[0, :, 0]
+    far = x > 500.0
+    np.testing.assert_array_equal(early.position.values[far, -1], result.position.values[0, far, -1])
+    np.testing.assert_array_equal(early.velocity.values[far], 0.0)
+    ties = early.tie_force.values - result.tie_force.values[0]
+    reach = np.abs(ties) > 0.0
+    print(reach.sum(), "droppers are felt")
+    assert 30 < reach.sum() < 60  # of 180: nine in each of four spans and more
+    supports = early.reaction.values - result.reaction.values[0]
+    assert (np.abs(supports[:, -1]) < 1e-6).mean() > 0.5
+
+
+def test_a_run_goes_on_in_its_window() -> None:
+    asked = scenario(6, 90.0, run={"until": 2.0})
+    times = np.arange(0.0, 2.0, 0.05)
+    first, second = (Wires(task_of(asked), times, RunInfo()) for _ in range(2))
+    for i in range(24):
+        first.advance(i)
+    second.set_state(first.get_state())
+    for i in range(24, 36):
+        first.advance(i)
+        second.advance(i)
+    np.testing.assert_array_equal(first.motion.position, second.motion.position)
+
+
+def test_it_says_when_waves_come_back() -> None:
+    reason = ran(10, 180.0).attrs["reason"]
+    print(reason)
+    c, v = np.sqrt(16e3 / 1.07), 300.0 / 3.6  # m/s, the messenger, and the pantograph
+    back = 360.0 * c / (c**2 - v**2)
+    assert f"180 m around contacts move, from whose borders waves come back after {back:.3g} s" in reason
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"ends": "anchored"}, "overhead lines with ends: anchored"),
+        ({"stitch_wire": {"length": "12 m", "tension": "2 kN"}}, "overhead lines with stitch wires"),
+    ],
+)
+def test_lines_whose_tensions_are_joined_far_away_are_refused(changed: dict[str, Any], said: str) -> None:
+    with pytest.raises(ValueError, match=f"a window with geometry: nonlinear is not implemented for {said}"):
+        scenario(4, 60.0, **changed)
+
+
+def test_other_lines_are_refused() -> None:
+    line = {"start": [0, 0], "end": [20, 0], "mass": 1, "axial_stiffness": 1e6, "tension": 1e3}
+    load = {"kind": "force", "on": "line", "force": [0, -1], "travel": {"speed": 1, "from": 1}}
+    run = {"kind": "dynamic", "until": 1, "window": 5}
+    for more in ({}, {"bending_stiffness": 10.0}):
+        with pytest.raises(ValueError, match="nonlinear is not implemented for all but overhead lines"):
+            Scenario.model_validate({"lines": {"line": line | more}, "loads": {"push": load}, "run": run})
