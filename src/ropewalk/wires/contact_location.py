@@ -34,7 +34,7 @@ class Location:
 def location_at(mesh: Mesh, wire: int, links: float) -> Location:
     """The point of a wire so many links from its start."""
     n: Integers = mesh.strands.links[wire : wire + 1]
-    base, weight = points(np.array([links]), n)
+    base, weight = points(np.array([links]), n, mesh.strands.level[wire : wire + 1])
     local, part = mesh.strands.local[wire], links - np.floor(links)
     g = part * (1.0 - part)
     own = float(local[0] + g * g * (local[1] + g * local[2]))
