@@ -219,11 +219,18 @@ def places_of(strands: WireRuns, spots: Sequence[Spot]) -> Places:
     station = np.array([spot.station for spot in spots], dtype=np.float64)
     s = station / strands.h[wire]
     base, weight = points(s, strands.links[wire], strands.level[wire])
+    return Places(
+        base + strands.first[wire], np.ascontiguousarray(weight[:, 0]), wire, station, local_at(strands, wire, s)
+    )
+
+
+def local_at(strands: WireRuns, wire: Integers, s: Array) -> Array:
+    """Compliance of wires beside their splines at places in links, (point,) m/N; as kernels have it."""
     part = s - np.floor(s)
     g = part * (1.0 - part)
     c = strands.local[wire]
-    local = c[:, 0] + g * g * (c[:, 1] + g * c[:, 2])
-    return Places(base + strands.first[wire], np.ascontiguousarray(weight[:, 0]), wire, station, local)
+    inner = np.where(strands.fourth[wire], np.maximum(1.0 - np.minimum(s, strands.links[wire] - s), 0.0), 0.0)
+    return np.asarray((c[:, 0] + g * g * (c[:, 1] + g * c[:, 2])) * (1.0 - inner**3))
 
 
 def clamped_at(strands: WireRuns, spots: Sequence[Spot]) -> Places:
