@@ -49,26 +49,26 @@ def test_a_force_on_a_beam_moves_it_as_fryba_says(ends):
     for links in (20, 40):
         frames, _ = course(wire, [force(5e4, SPEED)], times, links)
         errors.append(np.abs(middle(frames) - exact).max() / np.abs(exact).max())
-    assert errors[1] < 7e-3
-    assert 1.7 < np.log2(errors[0] / errors[1]) < 2.4  # the stencil of bending is of the second order
+    assert errors[1] < 7e-5
+    assert 2.8 < np.log2(errors[0] / errors[1]) < 4.0  # see test_beams_of_fourth_order.py
 
 
 def test_yang_and_yau_1997_sprung_mass():
-    """Largest deflection at midspan 2.4073 mm (20 modes, tests/theory); of the second order in the mesh."""
+    """Largest deflection at midspan 2.4073 mm (20 modes, tests/theory); modes miss 1e-5 of it."""
     vehicle = beam_vehicle.oscillator(5750.0, load_stiffness=1595e3)
     times = np.linspace(0.0, 0.9, 901)
     wire = straight(25.0, 0.0, 2303.0, YAU["bending_stiffness"])
     exact = beam.moving_vehicle(times[:-1], vehicle=vehicle, speed=SPEED, modes=20, tolerance=1e-6, **YAU)
     found = []
-    for links in (24, 48):
+    for links in (12, 24):
         frames, _ = course(wire, [rolling(vehicle, SPEED)], times, links)
         found.append(middle(frames))
         force_found = np.array([frame.sampled_force[0, 0] for frame in frames[1:]])
     reference = -exact.beam_deflection(12.5)
     errors = [np.abs(z - reference).max() / np.abs(reference).max() for z in found]
-    assert found[1].min() == pytest.approx(-0.0024073013, rel=4e-3)
-    assert errors[1] < 4e-3
-    assert 1.6 < np.log2(errors[0] / errors[1]) < 2.5
+    assert found[1].min() == pytest.approx(-0.0024073013, rel=1.5e-4)
+    assert errors[1] < 1.5e-4
+    assert 2.6 < np.log2(errors[0] / errors[1]) < 4.0
     inside = (times[:-1] > 0.05) & (times[:-1] < 0.85)
     assert force_found[inside] == pytest.approx(-exact.contact_force[inside, 0], rel=2e-3)
 
@@ -78,7 +78,7 @@ def test_yang_and_yau_1997_mass_in_rigid_contact():
     times = np.linspace(0.0, 0.9, 901)
     wire = straight(25.0, 0.0, 2303.0, YAU["bending_stiffness"])
     frames, _ = course(wire, [rolling(beam_vehicle.point_mass(5750.0), SPEED)], times, 48)
-    assert middle(frames).min() == pytest.approx(-0.0024266681, rel=3e-3)
+    assert middle(frames).min() == pytest.approx(-0.0024266681, rel=5e-5)
 
 
 def test_a_vehicle_on_two_axles_agrees_with_the_modal_solution():
@@ -127,7 +127,7 @@ def test_forces_near_a_held_end_do_not_move_it():
         frames, _ = course(wire, [force(5e4, 0.0, 1.0)], times, 24, geometry=geometry)
         assert frames[-1].position[0] == pytest.approx([0.0, 0.0], abs=1e-12)
         found.append(middle(frames))
-    assert found[1] == pytest.approx(found[0], abs=1e-6 * np.abs(found[0]).max())  # the beam stretches so little
+    assert found[1] == pytest.approx(found[0], abs=3e-2 * np.abs(found[0]).max())  # of the second order in 24 links
 
 
 GUIDED = """

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ropewalk.wires.mesh import Mesh
+from ropewalk.wires.mesh import Mesh, local_at
 from ropewalk.wires.plan import Array, Integers
 from ropewalk.wires.spline import WIDTH, points
 
@@ -34,10 +34,8 @@ class Location:
 def location_at(mesh: Mesh, wire: int, links: float) -> Location:
     """The point of a wire so many links from its start."""
     n: Integers = mesh.strands.links[wire : wire + 1]
-    base, weight = points(np.array([links]), n)
-    local, part = mesh.strands.local[wire], links - np.floor(links)
-    g = part * (1.0 - part)
-    own = float(local[0] + g * g * (local[1] + g * local[2]))
+    base, weight = points(np.array([links]), n, mesh.strands.level[wire : wire + 1])
+    own = float(local_at(mesh.strands, np.array([wire]), np.array([links]))[0])
     return Location(links, int(base[0] + mesh.strands.first[wire]), weight[0], own)
 
 

@@ -164,7 +164,7 @@ class Pictures:
             links = np.array([location.links for location in locations])
         else:
             links = inside / float(strands.h[a])
-        base, weight = points(links, np.full(links.size, strands.links[a]))
+        base, weight = points(links, np.full(links.size, strands.links[a]), np.tile(strands.level[a], (links.size, 1)))
         return links, base + strands.first[a], weight[:, 0]
 
     def _bodies(self, then: Then, station: Array, r: Array) -> tuple[Array, Array]:

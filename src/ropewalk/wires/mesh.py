@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.errors import RopewalkError
+from ropewalk.wires.bending import FEWEST, LOCAL, shares
 from ropewalk.wires.plan import Array, Hold, Integers, Spot, TravellingLoad, Wire, WirePlan
 from ropewalk.wires.spline import WIDTH, points
 
@@ -40,6 +41,10 @@ class WireRuns(NamedTuple):
     clamped: NDArray[np.bool_]  # (wire, 2) whether it cannot turn at its start, and at its end
     across: Array  # (wire, 2) x of the start in m, and x per station along the chord
     local: Array  # (wire, 3) m/N, of the compliance that a point has beside the spline's: see `local_compliance`
+    fourth: NDArray[
+        np.bool_
+    ]  # (wire,) whether it is a beam whose bending is of the fourth order in h: see `bending.py`
+    level: NDArray[np.bool_]  # (wire, 2) whether it is that and clamped, at its start and at its end
 
 
 class Places(NamedTuple):
@@ -147,12 +152,13 @@ def links_of(wire: Wire, element: float) -> int:
     return max(FEWEST_LINKS, round(wire.length / element))
 
 
-def mesh_of(plan: WirePlan, element: float | list[int]) -> Mesh:
+def mesh_of(plan: WirePlan, element: float | list[int], *, small: bool = False) -> Mesh:
     """Divide the wires of a plan.
 
     Args:
         plan: what there is.
         element: wanted length of a link in m, or the number of links of each wire.
+        small: whether they move a little about straight lines only; then beams are of the fourth order.
 
     Raises:
         RopewalkError: something is attached beyond the end of a wire.
@@ -164,16 +170,20 @@ def mesh_of(plan: WirePlan, element: float | list[int]) -> Mesh:
         for key in ("tension", "bending_stiffness", "mass", "drag", "retardation", "bed", "length")
     }
     first = np.concatenate([[0], np.cumsum(count + 1)[:-1]]).astype(np.int64)
+    fourth = [small and n >= FEWEST and _is_beam(wire, wire.length / n) for wire, n in zip(wires, links, strict=True)]
+    clamped = np.array([[end == "clamped" for end in wire.ends] for wire in wires], dtype=np.bool_)
     strands = WireRuns(
         first, count, column["length"] / count, column["tension"], column["bending_stiffness"], column["mass"],
         column["drag"], column["retardation"], column["bed"],
-        np.array([[end == "clamped" for end in wire.ends] for wire in wires], dtype=np.bool_),
+        clamped,
         np.array([(wire.start[0], (wire.end[0] - wire.start[0]) / wire.length) for wire in wires]),
-        np.array([local_compliance(wire, wire.length / n) for wire, n in zip(wires, links, strict=True)]),
+        np.array([
+            local_compliance(wire, wire.length / n, fourth=beam)
+            for wire, n, beam in zip(wires, links, fourth, strict=True)
+        ]),
+        np.array(fourth, dtype=np.bool_), clamped & np.array(fourth, dtype=np.bool_)[:, None],
     )  # fmt: skip
-    mass = np.concatenate([np.full(n + 1, rho * h) for n, rho, h in zip(count, strands.rho, strands.h, strict=True)])
-    mass[first] *= 0.5
-    mass[first + count] *= 0.5
+    mass = per_length(strands, strands.rho)
     _check(plan)
     own = mass.copy()
     lumps = [(lump.spot, lump.mass) for lump in plan.masses if lump.mass]
@@ -194,17 +204,33 @@ def mesh_of(plan: WirePlan, element: float | list[int]) -> Mesh:
     return Mesh(plan, strands, mass, own, fixed, driven, extra, _ties(strands, plan), holds, relief, sideways)
 
 
+def per_length(strands: WireRuns, value: Array) -> Array:
+    """What the nodes take of something that wires have (wire,) of in each metre, (node,)."""
+    parts = [
+        each * h * shares(int(n), fourth=bool(fourth))
+        for each, h, n, fourth in zip(value, strands.h, strands.links, strands.fourth, strict=True)
+    ]
+    return np.concatenate([np.zeros(0), *parts])
+
+
 def places_of(strands: WireRuns, spots: Sequence[Spot]) -> Places:
     """Where points of wires are on the mesh."""
     wire = np.array([spot.wire for spot in spots], dtype=np.int64)
     station = np.array([spot.station for spot in spots], dtype=np.float64)
     s = station / strands.h[wire]
-    base, weight = points(s, strands.links[wire])
+    base, weight = points(s, strands.links[wire], strands.level[wire])
+    return Places(
+        base + strands.first[wire], np.ascontiguousarray(weight[:, 0]), wire, station, local_at(strands, wire, s)
+    )
+
+
+def local_at(strands: WireRuns, wire: Integers, s: Array) -> Array:
+    """Compliance of wires beside their splines at places in links, (point,) m/N; as kernels have it."""
     part = s - np.floor(s)
     g = part * (1.0 - part)
     c = strands.local[wire]
-    local = c[:, 0] + g * g * (c[:, 1] + g * c[:, 2])
-    return Places(base + strands.first[wire], np.ascontiguousarray(weight[:, 0]), wire, station, local)
+    inner = np.where(strands.fourth[wire], np.maximum(1.0 - np.minimum(s, strands.links[wire] - s), 0.0), 0.0)
+    return np.asarray((c[:, 0] + g * g * (c[:, 1] + g * c[:, 2])) * (1.0 - inner**3))
 
 
 def clamped_at(strands: WireRuns, spots: Sequence[Spot]) -> Places:
@@ -223,20 +249,28 @@ def clamped_at(strands: WireRuns, spots: Sequence[Spot]) -> Places:
     return places
 
 
-def local_compliance(wire: Wire, h: float) -> tuple[float, float, float]:
+def _is_beam(wire: Wire, h: float) -> bool:
+    return wire.bending_stiffness > 0.0 and (_STIFF * h) ** 2 * wire.tension < wire.bending_stiffness
+
+
+def local_compliance(wire: Wire, h: float, *, fourth: bool = False) -> tuple[float, float, float]:
     """By how much a wire itself yields more to a force than its spline: c[0] + c[1] g^2 + c[2] g^3, m/N.
 
     g = f (1 - f) at the part f of a link. A spline rounds the kink of a string under a point force, as it shares the
     force; the difference to the closed form of a stiff string decays within a few links, so it acts as a spring in
-    series. It is a polynomial for strings and all but one for stiff ones. Without tension it is of the order of the
-    error of the mesh, and left out.
+    series. It is a polynomial for strings and for beams of the fourth order, and all but one between them. On beams of
+    the second order it is of the order of the error of the mesh, and left out.
 
     Args:
         wire: its tension and bending stiffness.
         h: distance of nodes, m.
+        fourth: whether it is a beam of the fourth order.
     """
     T, EI = wire.tension, wire.bending_stiffness
-    if T <= 0.0 or (_STIFF * h) ** 2 * T < EI:
+    if fourth:
+        c0, c2, c3 = LOCAL
+        return c0 * h**3 / EI, c2 * h**3 / EI, c3 * h**3 / EI
+    if T <= 0.0 or _is_beam(wire, h):
         return 0.0, 0.0, 0.0
     c0, c2, c3 = _unit_compliance(float(np.sqrt(EI / T) / h))
     return c0 * h / T, c2 * h / T, c3 * h / T

@@ -218,7 +218,12 @@ def local_at(strands, a, s):
     """Compliance of wire a beside its spline at a place in links, m/N."""
     part = s - np.floor(s)
     g = part * (1.0 - part)
-    return strands.local[a, 0] + g * g * (strands.local[a, 1] + g * strands.local[a, 2])
+    local = strands.local[a, 0] + g * g * (strands.local[a, 1] + g * strands.local[a, 2])
+    if strands.fourth[a]:  # at an end the nodes share nothing, and a beam yields as its spline
+        inner = 1.0 - min(s, strands.links[a] - s)
+        if inner > 0.0:
+            local *= 1.0 - inner * inner * inner
+    return local
 
 
 @inlined

@@ -12,7 +12,8 @@ import scipy.sparse.linalg
 from numpy.typing import NDArray
 
 from ropewalk.errors import EquilibriumError
-from ropewalk.wires.mesh import Mesh, Places
+from ropewalk.wires.bending import fourth_order
+from ropewalk.wires.mesh import Mesh, Places, WireRuns, per_length
 from ropewalk.wires.plan import Array
 from ropewalk.wires.spline import WIDTH
 
@@ -47,11 +48,15 @@ def vertical_stiffness(mesh: Mesh) -> sparse.csr_matrix:
 
 def bending_stiffness(mesh: Mesh) -> sparse.csr_matrix:
     """The part of bending, of any one component, clamped ends included."""
-    blocks = []
+    blocks, bent = [], with_tension(mesh.strands)
     for w, n in enumerate(mesh.strands.links):
-        h, EI, one = mesh.strands.h[w], mesh.strands.stiffness[w], np.ones(n + 1)
-        bent = sparse.diags([one, -2.0 * one, one], [0, 1, 2], shape=(n - 1, n + 1))
-        block = EI / h**3 * (bent.T @ bent)
+        h, EI, one = mesh.strands.h[w], bent[w], np.ones(n + 1)
+        if mesh.strands.fourth[w]:
+            start, end = mesh.strands.clamped[w]
+            blocks.append(EI / h**3 * fourth_order(int(n), (bool(start), bool(end))))
+            continue
+        curved = sparse.diags([one, -2.0 * one, one], [0, 1, 2], shape=(n - 1, n + 1))
+        block = EI / h**3 * (curved.T @ curved)
         for side, (i, j) in enumerate(((0, 1), (n, n - 1))):
             if mesh.strands.clamped[w, side]:
                 turn = sparse.csr_matrix(([-1.0, 1.0], ([0, 0], [i, j])), shape=(1, n + 1))
@@ -60,13 +65,18 @@ def bending_stiffness(mesh: Mesh) -> sparse.csr_matrix:
     return sparse.block_diag(blocks, format="csr")
 
 
+def with_tension(strands: WireRuns) -> Array:
+    """Bending stiffness, on beams of the fourth order with what makes that of their tension so, too, (wire,) N m^2.
+
+    Strings rest with kinks, on which it must not act: there it is put on motion only.
+    """
+    more = np.where(strands.fourth, strands.tension * strands.h**2 / 12.0, 0.0)
+    return np.asarray(strands.stiffness + more)
+
+
 def beds(mesh: Mesh) -> Array:
     """Stiffness of the beds under all nodes, (node,) N/m."""
-    s = mesh.strands
-    bed: Array = np.repeat(s.bed * s.h, s.links + 1)
-    bed[s.first] *= 0.5
-    bed[s.first + s.links] *= 0.5
-    return bed
+    return per_length(mesh.strands, mesh.strands.bed)
 
 
 def without_supports(mesh: Mesh) -> Array:

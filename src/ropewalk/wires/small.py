@@ -11,8 +11,8 @@ from collections.abc import Callable
 import numpy as np
 
 from ropewalk.checkpoint import Arrays, Changing, arrays_of
-from ropewalk.mechanics.compiled import entry_of, inlined, lean, lean_inner
-from ropewalk.wires.damping import EVERY, dissipated
+from ropewalk.mechanics.compiled import entry_of, inlined, lean
+from ropewalk.wires.damping import EVERY
 from ropewalk.wires.mesh import Mesh, MovingLoads, Places, places_of
 from ropewalk.wires.moving_loads import (
     CHANGES,
@@ -48,59 +48,14 @@ from ropewalk.wires.restraints import (
 )
 from ropewalk.wires.small_arrays import Springs, Watched, WireWindow, springs_of, stencil_of, x_of
 from ropewalk.wires.small_springs import add_spring_forces
-from ropewalk.wires.spline import WIDTH, weights
+from ropewalk.wires.small_stencil import losses, move
+from ropewalk.wires.spline import WIDTH, weights_between
 from ropewalk.wires.step_inputs import ABSENT, ON_WIRE, Record, StepInputs
 
 _NOTHING = 1e-150  # m
 _CLOSE = 1e-9  # links, beyond an end: nothing
 _LATE = 0.5  # share of the next and of the last instant in what rigid holds keep
 _HALF_PAGE = 256  # numbers of 8 bytes
-
-
-@lean_inner
-def _along(now, felt, other, gain, e, low, high, keep, t, b, bed):
-    """Put the next position of control points e + low to e + high - 1, all inside, in place of the last."""
-    c0, c1, first, last = -2.0 * t - 6.0 * b - bed, t + 4.0 * b, e + low, e + high
-    u, out, g = now[first:last], other[first:last], gain[first:last]  # slices let the loop vectorise
-    f = felt[first - 2 : last + 2]
-    for i in range(last - first):
-        pull = c0 * f[i + 2] + c1 * (f[i + 1] + f[i + 3]) - b * (f[i] + f[i + 4])
-        out[i] = u[i] + keep * (u[i] - out[i]) + g[i] * pull
-
-
-@lean_inner
-def _along_bare(now, felt, other, g, e, low, high, keep, t, b, bed):
-    """The same where all have one gain: a stream of numbers less to read."""
-    c0, c1, first, last = -2.0 * t - 6.0 * b - bed, t + 4.0 * b, e + low, e + high
-    u, out, f = now[first:last], other[first:last], felt[first - 2 : last + 2]
-    for i in range(last - first):
-        pull = c0 * f[i + 2] + c1 * (f[i + 1] + f[i + 3]) - b * (f[i] + f[i + 4])
-        out[i] = u[i] + keep * (u[i] - out[i]) + g * pull
-
-
-@inlined
-def _relieve(strands, stencil, window, now, other):
-    """Take back what wires have pulled too much where others take over a part of their tension."""
-    for p in range(stencil.relieved.shape[0]):
-        a, first = stencil.relieved[p, 0], strands.first[stencil.relieved[p, 0]]
-        low = max(stencil.relieved[p, 1], first + window.low[a])
-        high = min(stencil.relieved[p, 2], first + window.high[a])
-        for k in range(low, high):
-            more = stencil.relief[k - 1] * (now[k] - now[k - 1]) - stencil.relief[k] * (now[k + 1] - now[k])
-            other[k] += stencil.gain[k] * more
-
-
-@inlined
-def _end(now, felt, other, gain, e, d, keep, keep_end, t, b, bed, clamped):
-    """The same for the control point e at an end, and for its neighbour e + d."""
-    i = e + d
-    m0 = 2.0 * (felt[i] - felt[e]) if clamped else 0.0
-    m1 = felt[e] - 2.0 * felt[i] + felt[i + d]
-    m2 = felt[i] - 2.0 * felt[i + d] + felt[i + 2 * d]
-    pull = t * m1 - b * (m0 - 2.0 * m1 + m2) - bed * felt[i]
-    other[i] = now[i] + keep * (now[i] - other[i]) + gain[i] * pull
-    pull = t * (felt[i] - felt[e]) - b * (m1 - m0) - 0.5 * bed * felt[e]
-    other[e] = now[e] + keep_end * (now[e] - other[e]) + gain[e] * pull
 
 
 @lean
@@ -128,7 +83,7 @@ def advance(strands, stencil, springs, holders, window, watched, moving_loads, s
                 record.body[row, i, c] = stepping.q[i, c]
         for step in range(steps):
             move_places(holders, between_rows(inputs.time, row, (step + 1.0) / steps))
-            _move(strands, stencil, window, now, other, buffers, stepping.step)
+            move(strands, stencil, window, now, other, buffers, stepping.step)
             t = between_rows(inputs.time, row, step / steps)
             add_spring_forces(springs, window, now, other, stencil.gain, stepping, record, row, step, t)
             begin(moving_loads, stepping, inputs.push, row, step / steps)
@@ -174,7 +129,7 @@ def advance(strands, stencil, springs, holders, window, watched, moving_loads, s
             settle_accounts(moving_loads, stepping)
             gone = row * steps + step
             if stencil.damped and gone % every == 0:
-                lost = _lost(strands, stencil, window, now, other, buffers, stepping.step)
+                lost = losses(strands, stencil, window, now, other, buffers, stepping.step)
                 stepping.work[DAMPED] += min(every, whole - gone) * lost
             now, other = other, now
             here, ahead = ahead, here
@@ -188,57 +143,6 @@ def _look(watched, window, now, found, row):
 
 
 @inlined
-def _move(strands, stencil, window, now, other, buffers, dt):
-    """Let the wires go on for a step."""
-    gain = stencil.gain
-    for a in range(strands.first.size):
-        i, n, h, keep = strands.first[a], strands.links[a], strands.h[a], stencil.keep[a]
-        low, high, late = window.low[a], window.high[a], strands.retardation[a] / dt
-        if low >= high:
-            continue
-        t, b, bed = strands.tension[a] / h, stencil.bending[a] / (h * h * h), strands.bed[a] * h
-        felt = now
-        if late > 0.0:
-            felt = buffers
-            for k in range(i + max(low - 2, 0), i + min(high + 2, n + 1)):
-                buffers[k] = now[k] + late * (now[k] - other[k])
-        bare = stencil.bare[a]
-        if bare > 0.0:
-            for k in range(window.laden[a, 0], window.laden[a, 1]):
-                stencil.saved[k] = other[stencil.laden[k]]
-            _along_bare(now, felt, other, bare, i, max(low, 2), min(high, n - 1), keep, t, b, bed)
-            for k in range(window.laden[a, 0], window.laden[a, 1]):
-                e = stencil.laden[k]
-                drift = now[e] + keep * (now[e] - stencil.saved[k])
-                other[e] = drift + gain[e] / bare * (other[e] - drift)
-        else:
-            _along(now, felt, other, gain, i, max(low, 2), min(high, n - 1), keep, t, b, bed)
-        if low < 2:
-            _end(now, felt, other, gain, i, 1, keep, stencil.keep_end[2 * a], t, b, bed, strands.clamped[a, 0])
-        if high > n - 1:
-            _end(now, felt, other, gain, i + n, -1, keep, stencil.keep_end[2 * a + 1], t, b, bed, strands.clamped[a, 1])
-    _relieve(strands, stencil, window, now, other)
-
-
-@lean_inner
-def _lost(strands, stencil, window, now, other, buffers, dt):
-    """What all wires lose in a step from the one to the other, J; `room` is what they have felt."""
-    lost = 0.0
-    for a in range(strands.first.size):
-        i, low, high, h, late = strands.first[a], window.low[a], window.high[a], strands.h[a], strands.retardation[a]
-        if low >= high or (strands.drag[a] == 0.0 and late == 0.0):
-            continue
-        part = slice(i + low, min(i + high, i + strands.links[a] + 1))
-        felt, scale = (buffers[part], dt / late) if late > 0.0 else (other[part], 1.0)
-        lost += dissipated(
-            now[part], other[part], felt, scale, stencil.mass[part], strands.drag[a], late, strands.tension[a] / h,
-            stencil.bending[a] / (h * h * h), strands.bed[a] * h,
-            low == 0 and strands.clamped[a, 0], high > strands.links[a] and strands.clamped[a, 1],
-        )  # fmt: skip
-    return lost / dt
-
-
-@inlined
 def _location(strands, moving_loads, level, moved, inputs, row, part, k, w):
     """Where contact k is: whether on its wire, links along it, first node, height, and slope per link.
 
@@ -247,7 +151,7 @@ def _location(strands, moving_loads, level, moved, inputs, row, part, k, w):
     a, height, slope = moving_loads.wire[k], 0.0, 0.0
     place, n = between(inputs.station, row, part, k) / strands.h[a], strands.links[a]
     s = min(max(place, 0.0), float(n))
-    base = strands.first[a] + weights(s, n, w)
+    base = strands.first[a] + weights_between(s, n, strands.level[a, 0], strands.level[a, 1], w)
     for j in range(WIDTH):
         z = level[base + j] + moved[base + j]
         height += w[0, j] * z
@@ -449,7 +353,7 @@ class SmallMotion(Changing):
         first, laden, found = self.stencil.first, self.stencil.laden, []
         for a, i in enumerate(self.mesh.strands.first):
             own = laden[first[a] : first[a + 1]]
-            found.append(first[a] + np.searchsorted(own, [i + max(low[a], 2), i + high[a]]))
+            found.append(first[a] + np.searchsorted(own, [i + low[a], i + high[a]]))
         return np.array(found, dtype=np.int64)
 
 

@@ -6,11 +6,21 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ropewalk.wires.bending import EDGE, REACH
 from ropewalk.wires.mesh import Mesh
 from ropewalk.wires.plan import Array, Integers
-from ropewalk.wires.rest import ROUNDING, WiresAtRest, slowed_ends, ties_springs, without_supports
+from ropewalk.wires.rest import (
+    ROUNDING,
+    WiresAtRest,
+    slowed_ends,
+    ties_springs,
+    vertical_stiffness,
+    with_tension,
+    without_supports,
+)
 from ropewalk.wires.spline import WIDTH
 
+_EDGE = 2  # nodes next to the end of a wire of the second order
 _FEW = 0.1  # part of the nodes of a wire that may carry more than it and be seen to afterwards
 
 
@@ -61,6 +71,11 @@ class Stencil(NamedTuple):
     """What a step of a given length needs of the wires."""
 
     bending: Array  # (wire,) N m^2, corrected
+    bent: (
+        Array  # (wire,) N m^2, what second differences are multiplied by: on beams of the fourth order with more of it
+    )
+    edge: Integers  # (wire,) nodes next to each end whose rows differ from those inside
+    rows: Array  # (end, EDGE, EDGE + REACH) N/m, stiffness of these against them and the nodes beside, from each end on
     gain: Array  # (node,) m/N, displacement by a force during a step
     keep: Array  # (wire,) part of the last displacement that is kept, 1 without drag
     keep_end: Array  # (end,) the same of its last nodes, whose supports have a mass without drag
@@ -107,8 +122,9 @@ def springs_of(mesh: Mesh, rest: WiresAtRest) -> Springs:
 def stencil_of(mesh: Mesh, step: float) -> Stencil:
     """Prepare steps of a length in s."""
     s = mesh.strands
-    T = np.maximum(s.tension, 0.0)
-    bending = s.stiffness + T * (s.h**2 - T / s.rho * step**2) / 12.0
+    T = np.where(s.fourth, s.tension, np.maximum(s.tension, 0.0))
+    bending = s.stiffness + T * (np.where(s.fourth, 0.0, s.h**2) - T / s.rho * step**2) / 12.0
+    edge = np.where(s.fourth, EDGE, _EDGE)
     slow, slow_end = 1.0 + 0.5 * step * s.drag, slowed_ends(mesh, step)
     slowed = np.repeat(slow, s.links + 1)
     slowed[np.stack([s.first, s.first + s.links], axis=1).ravel()] = slow_end
@@ -116,17 +132,30 @@ def stencil_of(mesh: Mesh, step: float) -> Stencil:
     gain[(mesh.fixed & ~mesh.driven)[2]] = 0.0
     bare, laden, first = step**2 / (s.rho * s.h) / slow, [], [0]
     for a, n in enumerate(s.links):
-        part = slice(int(s.first[a]) + 2, int(s.first[a] + n) - 1)
+        part = slice(int(s.first[a] + edge[a]), int(s.first[a] + n + 1 - edge[a]))
         own = part.start + np.flatnonzero(np.abs(gain[part] / bare[a] - 1.0) > 1e-12)
         if own.size > _FEW * n:
             bare[a], own = 0.0, own[:0]
         laden += own.tolist()
         first.append(len(laden))
+    corrected = mesh._replace(strands=s._replace(stiffness=bending), relief=np.zeros_like(mesh.relief))
     return Stencil(
-        bending, gain, (2.0 - slow) / slow, (2.0 - slow_end) / slow_end, bare, np.array(laden, dtype=np.int64),
+        bending, with_tension(corrected.strands), edge, _rows_at_ends(corrected), gain, (2.0 - slow) / slow,
+        (2.0 - slow_end) / slow_end, bare, np.array(laden, dtype=np.int64),
         np.array(first, dtype=np.int64), np.zeros(len(laden)), without_supports(mesh),
         bool(s.drag.any() or s.retardation.any()), mesh.relief / np.repeat(s.h, s.links + 1), _relieved(mesh),
     )  # fmt: skip
+
+
+def _rows_at_ends(mesh: Mesh) -> Array:
+    """Rows of the stiffness of all wires next to their ends, (end, EDGE, EDGE + REACH) N/m, from each end on."""
+    s, K = mesh.strands, vertical_stiffness(mesh)
+    found = np.zeros((2 * s.first.size, EDGE, EDGE + REACH))
+    for a, (first, n) in enumerate(zip(s.first, s.links, strict=True)):
+        near = np.arange(min(EDGE + REACH, int(n) + 1))
+        for side, own in enumerate((first + near, first + n - near)):
+            found[2 * a + side, : min(EDGE, near.size), : near.size] = K[np.ix_(own[:EDGE], own)].toarray()
+    return found
 
 
 def _relieved(mesh: Mesh) -> Integers:

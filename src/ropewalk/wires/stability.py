@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ropewalk.wires.bending import HIGHEST
 from ropewalk.wires.mesh import Mesh, MovingLoads
 from ropewalk.wires.plan import Array
 from ropewalk.wires.rest import spring, ties_springs
@@ -23,7 +24,7 @@ def largest_step(mesh: Mesh, moving_loads: MovingLoads, *, along: bool = False) 
     s = mesh.strands
     T, m = np.maximum(s.tension, 0.0), s.rho * s.h
     bending = s.stiffness + T * s.h**2 / 12.0
-    across = (4.0 * T / s.h + 16.0 * bending / s.h**3 + s.bed * s.h) / m
+    across = (4.0 * T / s.h + np.where(s.fourth, HIGHEST, 16.0) * bending / s.h**3 + s.bed * s.h) / m
     lightest = float(m.min())
     total = across + _attached(mesh, lightest, along) + _at_ends(mesh) + _loaded(mesh, moving_loads, lightest)
     # omega^2 (dt^2 + 2 beta dt) + 2 c / m dt < 4 for each wire

@@ -153,7 +153,7 @@ def _linearised(task: WireTask) -> WireStart:
             raise EquilibriumError(
                 f"{hold.name} moves along x, and small motion has constant tensions: write geometry: nonlinear"
             )
-    mesh = mesh_of(task.plan, task.element)
+    mesh = mesh_of(task.plan, task.element, small=True)
     holds, free = mesh.holds, moving(mesh)
     at, stiff = rows(holds.at, mesh.nodes), spring(holds.stiffness[:, 2], holds.at.local)
     K = vertical_stiffness(mesh) + at.T @ sparse.diags(stiff) @ at
