@@ -69,6 +69,15 @@ def test_a_network_moves_with_its_supports_as_a_chain(support: dict[str, Any], l
     assert imbalance < 2e-3 * abs(ends["support_work"][0])
 
 
+def test_what_moves_as_prescribed_has_the_speed_of_its_way() -> None:
+    """Up to the change of speed within a step; it was none and twice that in turn."""
+    chain, network = both({"kind": "dynamic", "until": 0.6, "every": 0.02}, SUPPORTS["moving"], {})
+    t, h = network.time.values, 1e-6
+    way = [(np.array(swings(s + h)) - swings(max(s - h, 0.0))) / (2.0 * h) for s in t]
+    for result in (chain, network):
+        assert result.velocity.values[:, -1] == pytest.approx(np.array(way), abs=3e-3 * np.abs(way).max())
+
+
 @pytest.mark.parametrize("support", SUPPORTS.values(), ids=SUPPORTS)
 def test_a_slow_load_finds_supports_of_networks_where_they_are_then(support: dict[str, Any]) -> None:
     load = {**LOADS["force"], "travel": {"speed": 30.0, "from": 1.0}}  # there in 0.6 s

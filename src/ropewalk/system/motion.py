@@ -248,7 +248,7 @@ def _drift(structure, state, h):
                 n = restrained.node[i]
                 for a in range(r.shape[0]):
                     place = _displaced(restrained, e, a, state.t[0] + h)
-                    v[a, n] = (place - r[a, n]) / h
+                    v[a, n] += (place - r[a, n]) / h  # which has gone on with v: its speed is that of all of its way
                     r[a, n] = place
 
 
