@@ -344,7 +344,8 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
         run = _check_instant(scenario, at)
     on_system = bool(scenario.overhead_lines) and engine_of(scenario) is SYSTEM
     parts = scenario.parts
-    if on_system or scenario.is_network or parts.has_inextensible or parts.has_segments or parts.has_cut:
+    own = parts.has_inextensible, parts.has_segments, parts.has_cut, parts.has_winch
+    if on_system or scenario.is_network or any(own):
         from ropewalk.system import spectrum as system  # lazy: a run does not need the eigenvalue solvers
 
         if at is not None:

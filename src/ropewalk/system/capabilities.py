@@ -134,21 +134,18 @@ def _of_cuts(name: str, line: Line, run: object) -> Iterator[Finding]:
 
 
 def _of_winches(name: str, line: Line, run: object) -> Iterator[Finding]:
-    """At rest a winch is the force that it is set to; how it gets there only a motion with all geometry shows."""
+    """At rest a winch is the force that it is set to; in motion its dead band rubs, and its speed is bounded."""
     for end in line.winches:
-        yield from _of_winch(name, end, line, run)
-
-
-def _of_winch(name: str, end: str, line: Line, run: object) -> Iterator[Finding]:
-    path, what = ("lines", name, end, "winch"), "lines that a winch pulls at"
-    if isinstance(line.law, Inextensible):
-        yield missing(("lines", name, "law", "kind"), what, "inextensible", "give an axial_stiffness with law hooke")
-    if not isinstance(run, Dynamic):
-        yield missing(path, "all but motions", "a block", "leave it out: at rest force alone counts", feature="a winch")
-        return
-    if run.geometry == "linearised":
-        yield missing(("run", "geometry"), what, "linearised", "write geometry: nonlinear")
-    yield from _by_steps(run, what)
+        path = ("lines", name, end, "winch")
+        if isinstance(run, Linear):
+            remedy = f"{_DYNAMIC}, also with geometry: linearised"
+            yield Finding(path, "a winch that stands within its dead band is no linear spring", "a block", remedy)
+        winch = getattr(getattr(line, end), "winch", None)
+        if isinstance(run, Quasistatic) and winch is not None and winch.dead_band:
+            wrong = "within its dead band a winch stands where it has come to, and a slow motion does not know where"
+            yield Finding((*path, "dead_band"), wrong, f"{winch.dead_band:g} N", f"leave dead_band out, or {_DYNAMIC}")
+        if isinstance(run, Dynamic):
+            yield from _by_steps(run, "lines that a winch pulls at")
 
 
 def _of_hysteresis(name: str, line: Line, run: object) -> Iterator[Finding]:
@@ -341,12 +338,8 @@ def _of_tracks(parts: Parts) -> Iterator[Finding]:
             if line is not None and isinstance(line.law, Inextensible):
                 feature, remedy = "an inextensible line", "give it an axial_stiffness with law hooke"
                 yield missing(("lines", other, "law", "kind"), what, "inextensible", remedy, feature=feature)
-        if isinstance(run, Linear):
-            yield missing(("tracks", name), _LINEAR, remedy=_DYNAMIC)
-        if isinstance(run, Dynamic) and run.window is not None:
-            yield missing(("run", "window"), what, f"{run.window:g} m", "leave window out", feature="a window")
-        if isinstance(run, Dynamic) and run.start.kind != "rest":
-            feature, remedy = "a start from a mode or a result", "start at rest"
+        if isinstance(run, Dynamic) and run.start.kind == "result":
+            feature, remedy = "a start from a result", "start at rest"
             yield missing(("run", "start", "kind"), what, run.start.kind, remedy, feature=feature)
 
 
