@@ -185,7 +185,7 @@ def check_spectrum(scenario: Scenario, *, with_loads: bool, at_rest: bool = True
             remedy, feature = "leave hysteresis out", "hysteresis"
             raise refusal(missing(("lines", name, "hysteresis"), "spectra", "a block", remedy, feature=feature))
         for key in () if at_rest else line.winches:
-            where, remedy = ("lines", name, key, "winch"), "leave the time out: about rest it stands within its dead band"
+            where, remedy = ("lines", name, key, "winch"), "leave the time out"
             raise refusal(missing(where, "the spectrum at an instant", "a block", remedy, feature="a winch"))
         for saddle, own in line.saddles.items():
             if own.friction:

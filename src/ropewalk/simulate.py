@@ -225,7 +225,8 @@ def run_of(scenario: Scenario, run_info: RunInfo, times: Array | None = None, pa
 def _formed(scenario: Scenario) -> Scenario:
     """The same with rows of hangers as lines, crowds as their people, and trains as their vehicles."""
     if any(isinstance(load, Crowd | Train) for load in scenario.loads.values()):
-        loads = with_people(assembled(scenario.loads, scenario.run), scenario.lines)
+        loads = assembled(scenario.loads, scenario.run)
+        loads = with_people(loads, scenario.lines, scenario.overhead_lines, scenario.nets)
         scenario = scenario.model_copy(update={"loads": loads})
     if not scenario.hangers:
         return scenario

@@ -40,10 +40,15 @@ _PATTERNS = {
         "a driver acts along one line": r"a driver acts along one line",
         "what several lines carry leaves none of them, nor stays at the end of one":
             r"all of its lines carry it, and end at different|what moves it would draw it on, over the ends",
+        "a carriage rolls along a rope": r"a carriage rolls along a rope",
+        "where loading turns into unloading, hysteresis has two stiffnesses":
+            r"has no small motion: where loading turns",
+        "within its dead band a winch stands anywhere":
+            r"a winch that stands within its dead band|within its dead band a winch stands",
         "a given force is no vehicle": r"of kind force is only a force; what can be exported",
     },
     MISSING: {
-        "a winch pulls in motions with all geometry": rf"a winch {_NOT}|: {_NOT} lines that a winch pulls at",
+        "a winch pulls by plain steps, at all of its line": rf"a winch {_NOT}|: {_NOT} lines that a winch pulls at",
         "loads on networks, nets and in wind: forces, masses, footsteps":
             rf"loads\.[^.:]*\.kind: {_NOT} (joined|lines over sheaves)",
         "loads on lines with bending stiffness: no trolleys and walkers":
@@ -59,8 +64,6 @@ _PATTERNS = {
         "no air drag of loads there": rf"\.air_drag: {_NOT}",
         "nothing rubs on inextensible lines": rf"\.contact: {_NOT} inextensible",
         "only clamped contacts in networks": rf"\.contact: {_NOT} (joined|nets|lines over sheaves)",
-        "crowds walk on lines, neither on nets nor on overhead lines": r"a crowd walks on one of lines",
-        "carriages roll on lines, neither on nets nor on overhead lines": r"a carriage rolls on one of lines",
         "nothing goes to the side on overhead lines": rf"\.(lateral|balance): {_NOT} overhead",
         "nothing goes to the side on nets": rf"\.(lateral|balance): {_NOT} nets",
         "lines with bending stiffness and networks do not whirl":
@@ -83,7 +86,7 @@ _PATTERNS = {
         "droppers fail in motions of the whole line":
             rf"a dropper that fails {_NOT}|\.droppers\.(cut|strength): {_NOT}",
         "no friction on saddles without inertia, nor in spectra": rf"friction on saddles (without inertia )?{_NOT}",
-        "hysteresis needs the history of strain": rf"(hysteresis {_NOT}|: {_NOT} lines with hysteresis)",
+        "hysteresis moves by plain steps, from rest": rf"(hysteresis {_NOT}|: {_NOT} lines with hysteresis)",
         "no linear theory over saddles": rf"\.saddles: {_NOT} lines over saddles",
         "walkers on profiles on beams alone": rf"on a profile {_NOT}",
         "no linear theory in wind that blows": rf"wind {_NOT} kind: linear",
@@ -91,8 +94,7 @@ _PATTERNS = {
         "no export of networks and nets":
             r"joined lines, .* and nets cannot be moved from outside|there is no such line or load",
         "no comparison on nets": r"compare supports lines; nets and membranes are not implemented",
-        "tracks begin at rest, without a window and a linear theory":
-            rf"{_NOT} tracks|tracks[^:]*: {_NOT} kind: linear",
+        "tracks do not begin from a result, nor bear sheaves": rf"{_NOT} tracks",
         "linear theory: no vehicle that starts on the line":
             rf"a vehicle that starts before its line {_NOT}|is not reached with \d+ modes|run\.modes",
     },

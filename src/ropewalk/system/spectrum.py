@@ -17,8 +17,8 @@ from ropewalk.system.constrained import ways
 from ropewalk.system.loaded_structure import Carried, LoadedStructure, softness
 from ropewalk.system.moving import SystemMotion
 from ropewalk.system.statics import SystemPotential
-from ropewalk.system.winches import BAND
 from ropewalk.system.still import SystemStatics
+from ropewalk.system.winches import BAND
 
 _AGAIN = 4  # rounds in which a kink and the tension that it makes find each other
 

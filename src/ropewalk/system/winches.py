@@ -52,7 +52,7 @@ def kick_winch(restrained, v, reaction, tight, work, e, b, mass, drag, h):
     X, mean = (inertia + drag) * u - push, 0.5 * (u + before)
     work[MOVED] += h * X * mean
     work[DAMPED] += h * drag * u * mean
-    if tight is not None and tight.h.size > 0:  # also where it stands: misses of tensions change sign, and sum to little
+    if tight is not None and tight.h.size > 0:  # also where it stands: what tensions miss there sums to little
         gives = 1.0 / (mass + h * (drag + c))
         for a in range(axes):
             for i in range(axes):

@@ -45,7 +45,8 @@ class Window:
         joints = [_nodes(runs, restrained.members(e)) for e in range(restrained.mass.size)]
         self._columns = columns_of(structure.ties, runs, structure.nodes.mass.size)
         joints += [column.points for column in self._columns]
-        here = [[(e, at) for e, points in enumerate(joints) for run, at in points if run == s] for s in range(runs.h.size)]
+        where = [(run, e, at) for e, points in enumerate(joints) for run, at in points]
+        here = [[(e, at) for run, e, at in where if run == s] for s in range(runs.h.size)]
         # Of each run: numbers of the joints on it, restraints and then columns, and where they are, m.
         self._joined = [(np.array([e for e, _ in own], dtype=np.int64), np.array([x for _, x in own])) for own in here]
         self.still = np.zeros(restrained.mass.size, dtype=np.bool_)  # restraints that do
