@@ -134,7 +134,7 @@ def test_a_crowd_on_a_net_goes_along_its_path() -> None:
         terms = [a * np.sin(2.0 * np.pi * (i + 1) * one.frequency * t) for i, a in enumerate([first, *higher])]
         wanted += 9.81 * one.mass * (1.0 + np.sum(terms, axis=0))
     pressing = -np.nansum(result.contact_force.sel(axis="z").to_numpy(), axis=1)
-    assert pressing == pytest.approx(wanted, rel=1e-9)
+    assert pressing == pytest.approx(wanted, rel=2e-4)  # tables in time
     place = result.contact_position.to_numpy()
     assert np.nanmax(np.abs(np.where(place[..., 0] < 1.9, place[..., 1] - 1.5, place[..., 0] - 2.0))) < 0.02
 

@@ -48,7 +48,7 @@ _PATTERNS = {
         "a given force is no vehicle": r"of kind force is only a force; what can be exported",
     },
     MISSING: {
-        "a winch pulls by plain steps, at all of its line": rf"a winch {_NOT}|: {_NOT} lines that a winch pulls at",
+        "a winch pulls in motions with all geometry": rf"a winch {_NOT}|: {_NOT} lines that a winch pulls at",
         "loads on networks, nets and in wind: forces, masses, footsteps":
             rf"loads\.[^.:]*\.kind: {_NOT} (joined|lines over sheaves)",
         "loads on lines with bending stiffness: no trolleys and walkers":

@@ -182,16 +182,15 @@ def test_a_slow_pull_to_and_fro_follows_the_curves_of_loading_and_unloading(
 
 def test_a_load_that_goes_slowly_over_webbing_leaves_it_as_a_motion_without_waves_does() -> None:
     """By steps of time, under much drag: behind the middle the webbing has been let off, and hangs deeper."""
-    line = {"start": [0.0, 0.0], "end": [19.0, 0.0], "length": 18.5, "mass": 0.05, "elements": 40, **WEBBING}
+    line = {"start": [0.0, 0.0], "end": [19.0, 0.0], "length": 18.5, "mass": 0.05, "elements": 20, **WEBBING}
     load = {"kind": "force", "on": "slackline", "force": [0.0, -700.0], "travel": {"speed": 1.0, "from": 1.0}}
     tree: dict[str, Any] = {"gravity": 0.0, "lines": {"slackline": line}, "loads": {"load": load}}
-    slow = simulate(Scenario.model_validate({**tree, "run": {"kind": "quasistatic", "positions": 141}}))
+    slow = simulate(Scenario.model_validate({**tree, "run": {"kind": "quasistatic", "positions": 71}}))
     tree["lines"] = {"slackline": {**line, "drag": 20.0}}
     run = {"kind": "dynamic", "until": 16.0, "every": 0.25, "start": {"with_loads": True}}
     moved = simulate(Scenario.model_validate({**tree, "run": run}))
     x, z = (moved.contact_position.to_numpy()[:, 0, a] for a in (0, 1))
     at, depth = (slow.contact_position.to_numpy()[:, 0, a] for a in (0, 1))
     far = np.abs(np.interp(x, at, depth) - z)[4:]
-    lagging = simulate(Scenario.model_validate({**tree, "run": {**run, "until": 1.0}}))
-    print(far.max(), depth.min(), np.interp([6.0, 13.0], at, depth), lagging.attrs["outcome"])
+    print(far.max(), depth.min(), np.interp([6.0, 13.0], at, depth))
     assert far.max() < 5e-3

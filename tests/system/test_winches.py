@@ -121,7 +121,7 @@ WRONG: list[tuple[dict[str, Any], dict[str, Any], str]] = [
     ({"force": 0.0}, {}, "what tension the winch keeps"),
     ({"stiffness": 1e3}, {}, "a winch has no spring"),
     ({"winch": {"speed_limit": 0.0}}, {}, "speed_limit"),
-    ({}, {"kind": "quasistatic", "positions": 3}, "within its dead band a winch stands where it has come to"),
+    ({}, {"kind": "quasistatic", "positions": 3}, "within its dead band a winch stands anywhere"),
     ({}, {"kind": "linear", "until": 1.0}, "no linear spring"),
     ({}, {"method": "rkn6"}, "not implemented for lines that a winch pulls at"),
 ]

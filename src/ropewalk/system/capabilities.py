@@ -142,7 +142,7 @@ def _of_winches(name: str, line: Line, run: object) -> Iterator[Finding]:
             yield Finding(path, "a winch that stands within its dead band is no linear spring", "a block", remedy)
         winch = getattr(getattr(line, end), "winch", None)
         if isinstance(run, Quasistatic) and winch is not None and winch.dead_band:
-            wrong = "within its dead band a winch stands where it has come to, and a slow motion does not know where"
+            wrong = "within its dead band a winch stands anywhere, as what came before has left it"
             yield Finding((*path, "dead_band"), wrong, f"{winch.dead_band:g} N", f"leave dead_band out, or {_DYNAMIC}")
         if isinstance(run, Dynamic):
             yield from _by_steps(run, "lines that a winch pulls at")

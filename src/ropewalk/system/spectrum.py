@@ -68,18 +68,18 @@ def spectrum_at(scenario: Scenario, t: float, how_many: int | None = None) -> Sp
 def equations_of(still: SystemStatics) -> Equations:
     """Equations of motion about rest with the loads at their start; contacts of forces have no mass."""
     shape = still.at_rest_with_loads()
-    return _equations(_with_winches_standing(still.potential), shape, still.displayed, still.layout)
+    return _equations(_within_dead_bands(still.potential), shape, still.displayed, still.layout)
 
 
-def _with_winches_standing(potential: SystemPotential) -> SystemPotential:
-    """The same with the ends held that small motion leaves within the dead bands of their winches."""
+def _within_dead_bands(potential: SystemPotential) -> SystemPotential:
+    """The same with the ends fixed that small motion leaves within the dead bands of their winches."""
     structure = potential.structure
     restrained = structure.restraints
     stands = restrained.winch[:, BAND] > 0.0
     if not stands.any():
         return potential
-    held = restrained._replace(free=restrained.free * ~stands[:, None, None])
-    structure = structure._replace(restraints=held)
+    fixed = restrained._replace(free=restrained.free * ~stands[:, None, None])
+    structure = structure._replace(restraints=fixed)
     found = SystemPotential(structure, potential.loaded, potential.size, within=potential.within, part=AT_REST)
     found.forces(potential.taken())
     return found
