@@ -86,7 +86,7 @@ _PATTERNS = {
         "droppers fail in motions of the whole line":
             rf"a dropper that fails {_NOT}|\.droppers\.(cut|strength): {_NOT}",
         "no friction on saddles without inertia, nor in spectra": rf"friction on saddles (without inertia )?{_NOT}",
-        "hysteresis moves by plain steps, from rest": rf"(hysteresis {_NOT}|: {_NOT} lines with hysteresis)",
+        "hysteresis needs the history of strain": rf"(hysteresis {_NOT}|: {_NOT} lines with hysteresis)",
         "no linear theory over saddles": rf"\.saddles: {_NOT} lines over saddles",
         "walkers on profiles on beams alone": rf"on a profile {_NOT}",
         "no linear theory in wind that blows": rf"wind {_NOT} kind: linear",
@@ -94,7 +94,7 @@ _PATTERNS = {
         "no export of networks and nets":
             r"joined lines, .* and nets cannot be moved from outside|there is no such line or load",
         "no comparison on nets": r"compare supports lines; nets and membranes are not implemented",
-        "tracks do not begin from a result, nor bear sheaves": rf"{_NOT} tracks",
+        "tracks begin at rest, without a window and a linear theory": rf"{_NOT} tracks",
         "linear theory: no vehicle that starts on the line":
             rf"a vehicle that starts before its line {_NOT}|is not reached with \d+ modes|run\.modes",
     },
