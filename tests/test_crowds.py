@@ -113,13 +113,35 @@ def test_what_is_wrong_with_all_of_them_is_told_once() -> None:
         read(FILE.format(keys="on: deck, number: 50", more="", run="quasistatic"))
 
 
-def test_a_crowd_does_not_walk_on_a_net() -> None:
-    net = (
-        "nets: {net: {kind: net, corner: [0, 0, 0], sides: [[4, 0, 0], [0, 3, 0]], cells: [8, 6], mesh: 0.1, "
-        "mass: 20 g/m, axial_stiffness: 10 kN, tension: 100 N}}"
-    )
-    with pytest.raises(ScenarioError, match=r"loads\.people\.on: .*a crowd walks on one of lines"):
-        read(FILE.format(keys="on: net, number: 5", more=net, run="dynamic, until: 1 s"))
+NET = (
+    "nets: {net: {kind: net, corner: [0, 0, 0], sides: [[4, 0, 0], [0, 3, 0]], cells: [8, 6], mesh: 0.1, "
+    "mass: 20 g/m, axial_stiffness: 10 kN, tension: 100 N}}"
+)
+
+
+def test_a_crowd_on_a_net_goes_along_its_path() -> None:
+    """Each of them presses with m g (1 + sum of a_i sin 2 pi i f t), t from her first foot on; feet are on the path."""
+    keys = "on: net, number: 4, mass: {mean: 2 kg, deviation: 0.2 kg}, path: [[0.5, 1.5], [2, 1.5], [2, 2.5]]"
+    scenario = read(FILE.format(keys=keys, more=NET, run="dynamic, until: 0.5 s, every: 0.05 s"))
+    crowd = scenario.loads["people"]
+    assert isinstance(crowd, Crowd)
+    result, people = simulate(scenario), crowd.people(2.5)
+    times, wanted = result.time.to_numpy(), np.zeros(result.time.size)
+    for one in people:
+        t = times + one.phase / one.frequency
+        first = 0.41 * (one.frequency - 0.95)
+        higher = [0.069 + 0.0112 * one.frequency, 0.033 + 0.0192 * one.frequency, 0.013 + 0.026 * one.frequency]
+        terms = [a * np.sin(2.0 * np.pi * (i + 1) * one.frequency * t) for i, a in enumerate([first, *higher])]
+        wanted += 9.81 * one.mass * (1.0 + np.sum(terms, axis=0))
+    pressing = -np.nansum(result.contact_force.sel(axis="z").to_numpy(), axis=1)
+    assert pressing == pytest.approx(wanted, rel=2e-4)  # tables in time
+    place = result.contact_position.to_numpy()
+    assert np.nanmax(np.abs(np.where(place[..., 0] < 1.9, place[..., 1] - 1.5, place[..., 0] - 2.0))) < 0.02
+
+
+def test_a_crowd_on_a_net_needs_a_path() -> None:
+    with pytest.raises(ScenarioError, match=r"loads\.people\.path: .*a load on a net needs it"):
+        read(FILE.format(keys="on: net, number: 5", more=NET, run="dynamic, until: 1 s"))
 
 
 # Steps ---------------------------------------------------------------------------------------------------------------

@@ -26,7 +26,7 @@ divided
 PRIVATE = set(_LIST.split())
 """Words that say nothing to a stranger, each of which had a word of the field."""
 OF_THE_FIELD = {
-    **dict.fromkeys(("crowds", "check_crowds", "of_crowds", "crowds_in"), "of people on a bridge"),
+    **dict.fromkeys(("crowds", "of_crowds", "crowds_in"), "of people on a bridge"),
     "standing_force": "one that does not move",
     "standing_tension": "of webbing between its anchors, as measured",
     **dict.fromkeys(("WebSocket", "WebSocketDisconnect", "WebSocketRoute"), "a connection, RFC 6455"),

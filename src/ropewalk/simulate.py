@@ -227,7 +227,8 @@ def run_of(scenario: Scenario, run_info: RunInfo, times: Array | None = None, pa
 def _formed(scenario: Scenario) -> Scenario:
     """The same with rows of hangers as lines, crowds as their people, and trains as their vehicles."""
     if any(isinstance(load, Crowd | Train) for load in scenario.loads.values()):
-        loads = with_people(assembled(scenario.loads, scenario.run), scenario.lines)
+        loads = assembled(scenario.loads, scenario.run)
+        loads = with_people(loads, scenario.lines, scenario.overhead_lines, scenario.nets)
         scenario = scenario.model_copy(update={"loads": loads})
     if not scenario.hangers:
         return scenario
@@ -346,7 +347,8 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
         run = _check_instant(scenario, at)
     on_system = bool(scenario.overhead_lines) and engine_of(scenario) is SYSTEM
     parts = scenario.parts
-    if on_system or scenario.is_network or parts.has_inextensible or parts.has_segments or parts.has_cut:
+    own = parts.has_inextensible, parts.has_segments, parts.has_cut, parts.has_winch
+    if on_system or scenario.is_network or any(own):
         from ropewalk.system import spectrum as system  # lazy: a run does not need the eigenvalue solvers
 
         if at is not None:

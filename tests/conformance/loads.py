@@ -96,7 +96,8 @@ def footsteps(s: Structure, **more: Any) -> Tree:
 
 def crowd(s: Structure, **more: Any) -> Tree:
     """Three people who stand and walk anywhere."""
-    return {"kind": "crowd", "number": 3, "mass": {"mean": s.mass / 3.0, "deviation": 0.05 * s.mass}, **more}
+    return {"kind": "crowd", "number": 3, "mass": {"mean": s.mass / 3.0, "deviation": 0.05 * s.mass},
+            **({"path": PATH} if s.is_surface else {}), **more}  # fmt: skip
 
 
 def walker(s: Structure, **more: Any) -> Tree:

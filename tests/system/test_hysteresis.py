@@ -152,3 +152,45 @@ def test_runs_that_do_not_follow_the_history_of_strain_are_refused(run: dict[str
     load = {"kind": "force", "on": "webbing", "force": [0, -10], "travel": {"speed": 1.0}}
     with pytest.raises(ValueError, match="hysteresis"):
         Scenario.model_validate({"lines": {"webbing": line}, "loads": {"f": load}, "run": run})
+
+
+# Slow motion ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("positions", [4, 31])
+@pytest.mark.parametrize("law", [WEBBING, AS_TABLE])
+def test_a_slow_pull_to_and_fro_follows_the_curves_of_loading_and_unloading(
+    law: dict[str, Any], positions: int
+) -> None:
+    """Whatever the steps, if they end where it turns: T = EA e; then T = (EA - b) e + q, q from b e by k to -b e."""
+    table = {"time": [0.0, 1.0, 2.0, 3.0], "value": [[0.0, 0.0], [0.4, 0.0], [0.0, 0.0], [0.2, 0.0]]}
+    line = {
+        "start": [0.0, 0.0], "end": [10.2, 0.0], "length": 10.0, "mass": 0.02, "elements": 4, **law,
+        "end_support": {"kind": "moving", "displacement": table},
+    }  # fmt: skip
+    slow = {"kind": "force", "on": "webbing", "force": [0.0, -1e-6], "travel": {"speed": 3.0, "from": 1.0}}
+    tree = {"gravity": 0.0, "lines": {"webbing": line}, "loads": {"slow": slow}}
+    run = simulate(Scenario.model_validate({**tree, "run": {"kind": "quasistatic", "positions": positions}}))
+    strain, q, wanted = run.strain.to_numpy()[:, 0], HALF * 0.02, []
+    for e, before in zip(strain, [0.02, *strain], strict=False):
+        q = float(np.clip(q + K * (e - before), -HALF * e, HALF * e))
+        wanted.append((EA - HALF) * e + q)
+    assert strain[[0, (positions - 1) // 3, -1]] == pytest.approx([0.02, 0.06, 0.04], rel=1e-9)
+    assert run.tension.to_numpy()[:, 0] == pytest.approx(wanted, rel=1e-8)
+    assert wanted[2 * (positions - 1) // 3] == pytest.approx(0.8 * EA * 0.02)  # it has come down to the lower curve
+
+
+def test_a_load_that_goes_slowly_over_webbing_leaves_it_as_a_motion_without_waves_does() -> None:
+    """By steps of time, under much drag: behind the middle the webbing has been let off, and hangs deeper."""
+    line = {"start": [0.0, 0.0], "end": [19.0, 0.0], "length": 18.5, "mass": 0.05, "elements": 20, **WEBBING}
+    load = {"kind": "force", "on": "slackline", "force": [0.0, -700.0], "travel": {"speed": 1.0, "from": 1.0}}
+    tree: dict[str, Any] = {"gravity": 0.0, "lines": {"slackline": line}, "loads": {"load": load}}
+    slow = simulate(Scenario.model_validate({**tree, "run": {"kind": "quasistatic", "positions": 71}}))
+    tree["lines"] = {"slackline": {**line, "drag": 20.0}}
+    run = {"kind": "dynamic", "until": 16.0, "every": 0.25, "start": {"with_loads": True}}
+    moved = simulate(Scenario.model_validate({**tree, "run": run}))
+    x, z = (moved.contact_position.to_numpy()[:, 0, a] for a in (0, 1))
+    at, depth = (slow.contact_position.to_numpy()[:, 0, a] for a in (0, 1))
+    far = np.abs(np.interp(x, at, depth) - z)[4:]
+    print(far.max(), depth.min(), np.interp([6.0, 13.0], at, depth))
+    assert far.max() < 5e-3

@@ -111,9 +111,19 @@ MOVING: dict[str, Any] = {
 }
 
 
-def test_a_force_that_runs_over_the_rail_bends_the_bridge_as_modes_of_both_do() -> None:
-    """At midspan and in the rail there, of the largest value; modes of the rail are left out from 4 kHz on."""
-    found = simulate(Scenario.model_validate(bridge(**MOVING)))
+@pytest.mark.parametrize(
+    "run", [{}, {"window": 4.0}, {"kind": "linear"}], ids=["all of it", "in a window", "by superposition"]
+)
+def test_a_force_that_runs_over_the_rail_bends_the_bridge_as_modes_of_both_do(run: dict[str, Any]) -> None:
+    """At midspan and in the rail there, of the largest value; modes of the rail are left out from 4 kHz on.
+
+    A window of 4 m on both sides of the force begins and ends on the bridge, which moves as a whole all the same.
+    """
+    tree = bridge(**MOVING)
+    tree["run"] = {**tree["run"], **run}
+    if "kind" in run:
+        del tree["run"]["geometry"]
+    found = simulate(Scenario.model_validate(tree))
     times = found["time"].to_numpy()
     q = MODAL.under_a_force(100e3, -3.0, 60.0, times, parts=20)
     rail, deck = MODAL.rail, MODAL.bridge
@@ -126,6 +136,24 @@ def test_a_force_that_runs_over_the_rail_bends_the_bridge_as_modes_of_both_do() 
         own = place[:, line == name][:, middle]
         print(name, own.min(), modal.min(), np.abs(own - modal).max() / np.abs(modal).max())
         assert own == pytest.approx(modal, abs=5e-3 * float(np.abs(modal).max()))
+
+
+def test_a_track_that_begins_in_its_mode_swings_and_dies_away_as_modes_of_both_beams_do() -> None:
+    """Of M, C, K of sine modes and masses: z = A Re exp(lambda t), but for what the shape without dampers lacks."""
+    run = {"kind": "dynamic", "geometry": "linearised", "until": 0.2, "every": 1e-3}
+    found = simulate(Scenario.model_validate(bridge(run={**run, "start": {"kind": "mode", "amplitude": 1e-3}})))
+    M, C, K = MODAL.matrices()
+    n = M.shape[0]
+    lower = [-np.linalg.solve(M, K), -np.linalg.solve(M, C)]
+    rates = np.linalg.eigvals(np.block([[np.zeros((n, n)), np.eye(n)], lower]))
+    first = min(rates[rates.imag > 0.0], key=abs)
+    own = found["position"].to_numpy()[:, found["line"].to_numpy() == "deck", 1][:, 7]
+    t = found["time"].to_numpy()
+    phase, loss = first.imag * t, first.real / first.imag
+    wanted = own[0] * np.exp(first.real * t) * (np.cos(phase) - loss * np.sin(phase))
+    print(first, own[0], np.abs(own - wanted).max() / abs(own[0]))
+    assert abs(own[0]) > 0.5e-3
+    assert own == pytest.approx(wanted, abs=1e-2 * abs(own[0]))
 
 
 def test_dampers_of_a_track_are_in_the_audit() -> None:

@@ -271,7 +271,8 @@ def check_carriages(parts: Any) -> Iterator[Finding]:
         if not isinstance(load, Carriage):
             continue
         if load.on in parts.nets or load.on in parts.overhead:
-            yield Finding(("loads", name, "on"), "a carriage rolls on one of lines", load.on, "name one of lines")
+            wrong = "a carriage rolls along a rope, and neither nets nor overhead lines are one"
+            yield Finding(("loads", name, "on"), wrong, load.on, "name one of lines")
             continue
         line = parts.lines.get(load.on)
         first, last = load.starts()[0].start, load.starts()[-1].start

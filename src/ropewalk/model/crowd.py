@@ -12,9 +12,9 @@ from pydantic import Field, model_validator
 from ropewalk.model._base import Declaration, Finding, report
 from ropewalk.model.balance import SIDEWAYS, Balance
 from ropewalk.model.footsteps import YOUNG, Footsteps
-from ropewalk.model.quantity import Count, Frequency
+from ropewalk.model.quantity import Count, Frequency, Way
 from ropewalk.model.spread import FrequencySpread, LengthSpread, MassSpread
-from ropewalk.model.travel import Place
+from ropewalk.model.travel import ON_NETS, Place
 
 MOST = 1000
 """People of a crowd."""
@@ -63,6 +63,7 @@ class Crowd(Declaration):
         description="who comes to an end leaves the line, or is followed by another one like her at the other end, so "
         "that their number stays the same (default: again, and leave where they come at a rate)",
     )
+    path: Way | None = Field(default=None, description=ON_NETS)
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -81,7 +82,7 @@ class Crowd(Declaration):
         return self
 
     def people(self, length: float) -> list[Footsteps]:
-        """All of them on a line of a length in m.
+        """All of them on a line, or on a way over a net, of a length in m.
 
         Every person takes eight numbers of the Mersenne twister, whose `random` is the same on all machines.
         """
@@ -101,6 +102,7 @@ class Crowd(Declaration):
                     on=self.on, mass=self.mass.at(heavy), frequency=frequency, step_length=step, model=self.model,
                     lateral=self.lateral, balance=self.balance, phase=phase,
                     first_foot="left" if foot < 0.5 else "right", start=start, towards=onward, at_end=self._at_end,
+                    path=self.path,
                 )
             )  # fmt: skip
         return found

@@ -64,7 +64,8 @@ class Line(Declaration):
     law: Law = Field(default=Hooke(), description="tension as a function of strain")
     axial_damping: AxialDamping = Field(default=0.0, description="Kelvin-Voigt c: T = T(eps) + c eps_t")
     hysteresis: Hysteresis | None = Field(
-        default=None, description="what unloading gives back less than loading has taken; in motions"
+        default=None,
+        description="what unloading gives back less than loading has taken; in motions and quasi-static runs",
     )
     bending_stiffness: BendingStiffness = Field(default=0.0, description="EI; used by kind: linear and dynamic")
     foundation: BedStiffness = Field(

@@ -2,39 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+import math
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
-from ropewalk.errors import did_you_mean
 from ropewalk.model._base import Finding
 from ropewalk.model.crowd import Crowd
 from ropewalk.model.hangers import unstrained
 from ropewalk.model.line import Line
+from ropewalk.model.overhead import OverheadLine
 
 
-def with_people(loads: Mapping[str, Any], lines: Mapping[str, Line | None]) -> dict[str, Any]:
+def with_people(
+    loads: Mapping[str, Any], lines: Mapping[str, Line | None], overhead: Mapping[str, OverheadLine | None],
+    nets: Collection[str],
+) -> dict[str, Any]:  # fmt: skip
     """The same loads with every crowd as its people, `crowd.1`, `crowd.2`, ...; None where its line is not known."""
     found: dict[str, Any] = {}
     for name, load in loads.items():
         if not isinstance(load, Crowd):
             found[name] = load
-        elif (line := lines.get(load.on)) is None:
-            found[name] = None
+            continue
+        line, section = lines.get(load.on), overhead.get(load.on)
+        if load.on in nets:
+            length = sum(math.dist(a, b) for a, b in pairwise(load.path or ()) if len(a) == len(b))
+        elif line is not None:
+            length = unstrained(line)
+        elif section is not None:
+            length = section.length
         else:
-            found |= {f"{name}.{i}": one for i, one in enumerate(load.people(unstrained(line)), start=1)}
+            found[name] = None
+            continue
+        found |= {f"{name}.{i}": one for i, one in enumerate(load.people(length), start=1)}
     return found
-
-
-def check_crowds(
-    loads: Mapping[str, Any], lines: Mapping[str, Line | None], others: Iterable[str]
-) -> Iterator[Finding]:
-    """Find crowds on what is no line; names of other things to walk on are given."""
-    for name, load in loads.items():
-        if isinstance(load, Crowd) and load.on not in lines and load.on in others:
-            otherwise = "let it walk on one of lines, or write its people one by one"
-            remedy = did_you_mean(load.on, [*lines], otherwise=otherwise)
-            yield Finding(("loads", name, "on"), "a crowd walks on one of lines", repr(load.on), remedy)
 
 
 def of_crowds(findings: Iterable[Finding], people: Collection[str]) -> list[Finding]:

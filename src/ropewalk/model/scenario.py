@@ -21,7 +21,7 @@ from ropewalk.model.net import AnyNet
 from ropewalk.model.outputs import Outputs
 from ropewalk.model.overhead import CONTACT_WIRE, OverheadLine
 from ropewalk.model.parts import Parts
-from ropewalk.model.people import check_crowds, with_people
+from ropewalk.model.people import with_people
 from ropewalk.model.quantity import Acceleration, Name
 from ropewalk.model.run import Dynamic, Run
 from ropewalk.model.space import leaving
@@ -56,7 +56,6 @@ class Scenario(Declaration):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         findings = list(check_hangers(self.hangers, self.lines, self.gravity))
-        findings += check_crowds(self.loads, self.lines, [*self.overhead_lines, *self.nets])
         if findings:
             report("scenario", findings)
         parts = crossed(self.parts)
@@ -88,7 +87,7 @@ class Scenario(Declaration):
     @property
     def parts(self) -> Parts:
         """The same in parts, as checks see it."""
-        loads = with_people(assembled(self.loads, self.run), self.lines)
+        loads = with_people(assembled(self.loads, self.run), self.lines, self.overhead_lines, self.nets)
         on = {name: (load or self.loads[name]).on for name, load in loads.items()}
         lines: dict[str, Line | None] = {**self.lines}
         for row in self.hangers:

@@ -72,7 +72,7 @@ class Guided(Declaration):
     force: Force = Field(default=0.0, description="constant force along the rail on the end of the line")
     mass: Mass = Field(default=0.0, description="that moves with the end of the line; its weight counts")
     winch: Winch | None = Field(
-        default=None, description="that pulls there, with `force` as it is set; at an end of a line, in motions"
+        default=None, description="that pulls there, with `force` as it is set; at an end of a line"
     )
 
     @model_validator(mode="after")

@@ -226,7 +226,9 @@ def _parts(tree: Any, uncertain: set[str]) -> Parts:
         for name, load in _members(tree, "loads").items()
         if isinstance(load, dict) and isinstance(load.get("on"), str)
     }
-    loads = with_people(loads, lines)
+    overhead = {name: _valid(_OVERHEAD, line) for name, line in _members(tree, "overhead_lines").items()}
+    nets = {name: _valid(_NET, net) for name, net in _members(tree, "nets").items()}
+    loads = with_people(loads, lines, overhead, nets)
     on |= {name: load.on for name, load in loads.items() if load is not None}
     tree = tree if isinstance(tree, dict) else {}
     run = _valid(_RUN, tree["run"]) if "run" in tree else Dynamic(until=1.0)
@@ -235,8 +237,6 @@ def _parts(tree: Any, uncertain: set[str]) -> Parts:
         run = None
     if "gravity" in uncertain:
         gravity = None
-    overhead = {name: _valid(_OVERHEAD, line) for name, line in _members(tree, "overhead_lines").items()}
-    nets = {name: _valid(_NET, net) for name, net in _members(tree, "nets").items()}
     joints = {name: _valid(_JOINT, joint) for name, joint in _members(tree, "joints").items()}
     tracks = {name: _valid(_TRACK, track) for name, track in _members(tree, "tracks").items()}
     wind = _valid(_WIND, tree["wind"]) if "wind" in tree else None

@@ -134,36 +134,34 @@ def _of_cuts(name: str, line: Line, run: object) -> Iterator[Finding]:
 
 
 def _of_winches(name: str, line: Line, run: object) -> Iterator[Finding]:
-    """At rest a winch is the force that it is set to; how it gets there only a motion with all geometry shows."""
+    """At rest a winch is the force that it is set to; in motion its dead band rubs, and its speed is bounded."""
     for end in line.winches:
-        yield from _of_winch(name, end, line, run)
-
-
-def _of_winch(name: str, end: str, line: Line, run: object) -> Iterator[Finding]:
-    path, what = ("lines", name, end, "winch"), "lines that a winch pulls at"
-    if isinstance(line.law, Inextensible):
-        yield missing(("lines", name, "law", "kind"), what, "inextensible", "give an axial_stiffness with law hooke")
-    if not isinstance(run, Dynamic):
-        yield missing(path, "all but motions", "a block", "leave it out: at rest force alone counts", feature="a winch")
-        return
-    if run.geometry == "linearised":
-        yield missing(("run", "geometry"), what, "linearised", "write geometry: nonlinear")
-    yield from _by_steps(run, what)
+        path = ("lines", name, end, "winch")
+        if isinstance(run, Linear):
+            remedy = f"{_DYNAMIC}, also with geometry: linearised"
+            yield Finding(path, "a winch that stands within its dead band is no linear spring", "a block", remedy)
+        winch = getattr(getattr(line, end), "winch", None)
+        if isinstance(run, Quasistatic) and winch is not None and winch.dead_band:
+            wrong = "within its dead band a winch stands anywhere, as what came before has left it"
+            yield Finding((*path, "dead_band"), wrong, f"{winch.dead_band:g} N", f"leave dead_band out, or {_DYNAMIC}")
+        if isinstance(run, Dynamic):
+            yield from _by_steps(run, "lines that a winch pulls at")
 
 
 def _of_hysteresis(name: str, line: Line, run: object) -> Iterator[Finding]:
-    """Equilibria are on the curve of loading; elsewhere it is the history of strain that decides."""
+    """A first equilibrium is on the curve of loading; from there on it is the history of strain that decides."""
     path, what = ("lines", name, "hysteresis"), "lines with hysteresis"
+    two = "has no small motion: where loading turns into unloading, the line is stiffer"
     if line.sheaves:
         yield missing(("lines", name, "sheaves"), what, remedy="end the line at the sheave, or leave hysteresis out")
-    if isinstance(run, Quasistatic | Linear):
-        yield missing(path, "all but motions and equilibria", "a block", _DYNAMIC, feature="hysteresis")
+    if isinstance(run, Linear):
+        yield Finding(path, two, "a block", f"leave it out, or {_DYNAMIC}")
     if not isinstance(run, Dynamic):
         return
     if run.start.kind == "result":  # which does not hold how far its links have been let off
         yield missing(path, "runs that begin from a result", "a block", "start at rest", feature="hysteresis")
     if run.geometry == "linearised":
-        yield missing(("run", "geometry"), what, "linearised", "write geometry: nonlinear")
+        yield Finding(path, two, "a block", "leave it out, or write geometry: nonlinear")
     yield from _by_steps(run, what)
 
 
@@ -328,26 +326,23 @@ def _on_nets(parts: Parts) -> Iterator[Finding]:
 
 
 def _of_tracks(parts: Parts) -> Iterator[Finding]:
-    """What is not known of masses between ties: a window, and beginnings, know nodes of lines alone."""
+    """What is not known of masses between ties: results hold places of lines alone, and nothing pulls at them along."""
     run, what = parts.run, "tracks"
-    for name in list(parts.tracks)[:1]:
-        for block, there in (("overhead_lines", parts.overhead), ("nets", parts.nets)):
-            for other in there:
-                yield missing((block, other), what, remedy="compute it in a scenario of its own")
-        for other, line in parts.lines.items():
-            if line is not None and line.sheaves:
-                feature, remedy = "a line over sheaves", "end it at the sheave, or leave it out"
-                yield missing(("lines", other, "sheaves"), what, remedy=remedy, feature=feature)
-            if line is not None and isinstance(line.law, Inextensible):
-                feature, remedy = "an inextensible line", "give it an axial_stiffness with law hooke"
-                yield missing(("lines", other, "law", "kind"), what, "inextensible", remedy, feature=feature)
-        if isinstance(run, Linear):
-            yield missing(("tracks", name), _LINEAR, remedy=_DYNAMIC)
-        if isinstance(run, Dynamic) and run.window is not None:
-            yield missing(("run", "window"), what, f"{run.window:g} m", "leave window out", feature="a window")
-        if isinstance(run, Dynamic) and run.start.kind != "rest":
-            feature, remedy = "a start from a mode or a result", "start at rest"
-            yield missing(("run", "start", "kind"), what, run.start.kind, remedy, feature=feature)
+    if not parts.tracks:
+        return
+    for block, there in (("overhead_lines", parts.overhead), ("nets", parts.nets)):
+        for other in there:
+            yield missing((block, other), what, remedy="compute it in a scenario of its own")
+    for other, line in parts.lines.items():
+        if line is not None and line.sheaves:
+            feature, remedy = "a line over sheaves", "end it at the sheave, or leave it out"
+            yield missing(("lines", other, "sheaves"), what, remedy=remedy, feature=feature)
+        if line is not None and isinstance(line.law, Inextensible):
+            feature, remedy = "an inextensible line", "give it an axial_stiffness with law hooke"
+            yield missing(("lines", other, "law", "kind"), what, "inextensible", remedy, feature=feature)
+    if isinstance(run, Dynamic) and run.start.kind == "result":
+        feature, remedy = "a start from a result, which does not hold where sleepers are,", "start at rest"
+        yield missing(("run", "start", "kind"), what, run.start.kind, remedy, feature=feature)
 
 
 _LINEAR, _DYNAMIC = "kind: linear", "ask for kind: dynamic"

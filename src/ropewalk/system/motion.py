@@ -166,7 +166,7 @@ def _kick_restraints(structure, buffers, state, h, dt, A, b):
         for a in range(axes):
             buffers.reaction[e, a] = restrained.force[e, a] - b[a]
         if restrained.winch[e, LIMIT] > 0.0:
-            kick_winch(restrained, v, buffers.reaction, state.work, e, b, M, drag, h)
+            kick_winch(restrained, v, buffers.reaction, buffers.tight, state.work, e, b, M, drag, h)
             continue
         if rank == 0.0:
             if moves:  # places half a kick before and after

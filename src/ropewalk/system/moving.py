@@ -155,7 +155,7 @@ class SystemMotion:
         self._stand(with_loads=asked.start.with_loads)
         run_info.step = self._step = min(self._step, self._allowed())
         self._lead()
-        self._window = None if asked.window is None else Window(self.structure, asked.window)
+        self._window = None if asked.window is None else Window.of(scenario, self.assembled, asked.window)
         self._implicit: Implicit | None = None
         if stages is not None:
             from ropewalk.system.implicit import Implicit  # lazy: few runs need it

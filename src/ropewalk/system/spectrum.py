@@ -18,6 +18,7 @@ from ropewalk.system.loaded_structure import Carried, LoadedStructure, softness
 from ropewalk.system.moving import SystemMotion
 from ropewalk.system.statics import SystemPotential
 from ropewalk.system.still import SystemStatics
+from ropewalk.system.winches import BAND
 
 _AGAIN = 4  # rounds in which a kink and the tension that it makes find each other
 
@@ -66,7 +67,22 @@ def spectrum_at(scenario: Scenario, t: float, how_many: int | None = None) -> Sp
 
 def equations_of(still: SystemStatics) -> Equations:
     """Equations of motion about rest with the loads at their start; contacts of forces have no mass."""
-    return _equations(still.potential, still.at_rest_with_loads(), still.displayed, still.layout)
+    shape = still.at_rest_with_loads()
+    return _equations(_within_dead_bands(still.potential), shape, still.displayed, still.layout)
+
+
+def _within_dead_bands(potential: SystemPotential) -> SystemPotential:
+    """The same with the ends fixed that small motion leaves within the dead bands of their winches."""
+    structure = potential.structure
+    restrained = structure.restraints
+    stands = restrained.winch[:, BAND] > 0.0
+    if not stands.any():
+        return potential
+    fixed = restrained._replace(free=restrained.free * ~stands[:, None, None])
+    structure = structure._replace(restraints=fixed)
+    found = SystemPotential(structure, potential.loaded, potential.size, within=potential.within, part=AT_REST)
+    found.forces(potential.taken())
+    return found
 
 
 def _equations(potential: SystemPotential, shape: Array, nodes: Integers, layout: Layout) -> Equations:

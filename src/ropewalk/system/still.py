@@ -18,6 +18,7 @@ from ropewalk.system.frames import FrameBuilder, SystemNote
 from ropewalk.system.hold_forces import HoldForces, on_friction
 from ropewalk.system.loaded_structure import Carried, LoadedStructure
 from ropewalk.system.rest import at_rest, settled_in_wind
+from ropewalk.system.slow_hysteresis import LaggingPotential, is_lagging, settle_after
 from ropewalk.system.slow_motion import SlowMotion
 from ropewalk.system.statics import SystemPotential
 from ropewalk.system.structure import SystemState
@@ -29,6 +30,7 @@ class _RestShape(NamedTuple):
 
     places: Array  # as `statics.Potential` has them
     contacts: Any
+    lag: Array  # (2, node) what hysteresis keeps in mind, N, and strains
 
 
 class SystemStatics(SlowMotion[_RestShape]):
@@ -56,7 +58,8 @@ class SystemStatics(SlowMotion[_RestShape]):
         self._scenario, self._run_info, self._structure, self._loading = scenario, run_info, structure, loading
         self._loaded = LoadedStructure(structure, rest, self._carried)
         size = float(np.ptp(rest, axis=1).max())
-        self.potential = SystemPotential(structure, self._loaded, size, within=within, part=AT_REST)
+        potential = LaggingPotential if is_lagging(structure) else SystemPotential
+        self.potential = potential(structure, self._loaded, size, within=within, part=AT_REST)
         loads = loading.loads
         ahead = np.copysign(1.0, loads.speed_value[loads.speed_first])
         self._restraint = HoldForces(loads.contact, ahead, structure, self.potential.buffers.tension, rest.shape[0])
@@ -93,14 +96,22 @@ class SystemStatics(SlowMotion[_RestShape]):
         loaded.stand(t, structure.restraints.put(r, t))  # what moves as prescribed is where it is then
         potential.arrange()
 
-        def settle(shape: Array) -> Array:
+        def settle_alone(shape: Array) -> Array:
             found = settled_in_wind(potential, shape, t)
             potential.forces(found)  # and all that contacts note of them
             return found
 
+        def settle(shape: Array) -> Array:
+            if near is None or not lagging:
+                return settle_alone(shape)
+            return settle_after(potential, settle_alone, shape, near.lag)
+
+        lagging = is_lagging(structure)
         contacts, s = loaded.contacts, loaded.state.s
         shape = self._restraint.hold(contacts, s, loaded.on, settle, potential.taken())
-        return _RestShape(shape, contacts.copy())
+        if lagging:
+            potential.buffers.lag[1] = potential.buffers.strain
+        return _RestShape(shape, contacts.copy(), potential.buffers.lag.copy())
 
     def _places(self, shape: _RestShape) -> Array:
         """Where contacts are, (contact, axis) m; NaN of those off their lines."""
@@ -109,7 +120,7 @@ class SystemStatics(SlowMotion[_RestShape]):
 
     def _frame(self, shape: _RestShape, path: float, t: float) -> Frame:
         loaded, potential = self._loaded, self.potential
-        loaded.contacts[:] = shape.contacts
+        loaded.contacts[:], potential.buffers.lag[:] = shape.contacts, shape.lag
         loaded.state.t[0] = t
         elastic = potential.stored(shape.places)
         potential.forces(shape.places)

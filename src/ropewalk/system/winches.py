@@ -18,13 +18,14 @@ LIMIT, BAND = 0, 1  # columns of `Restraints.winch`
 
 
 @lean_inner
-def kick_winch(restrained, v, reaction, work, e, b, mass, drag, h):
+def kick_winch(restrained, v, reaction, tight, work, e, b, mass, drag, h):
     """Kick the end of a line that a winch pulls at.
 
     Args:
         restrained: all restraints.
         v: (axis, node) m/s.
         reaction: (restraint, axis) N.
+        tight: inextensible links, whose tensions find by `mobile` how the end gives way to them; or None.
         work: by their forms, J.
         e: number of the restraint.
         b: (axis,) N, all forces on it but X; spoiled.
@@ -51,6 +52,11 @@ def kick_winch(restrained, v, reaction, work, e, b, mass, drag, h):
     X, mean = (inertia + drag) * u - push, 0.5 * (u + before)
     work[MOVED] += h * X * mean
     work[DAMPED] += h * drag * u * mean
+    if tight is not None and tight.h.size > 0:  # also where it stands: what tensions miss there sums to little
+        gives = 1.0 / (mass + h * (drag + c))
+        for a in range(axes):
+            for i in range(axes):
+                tight.mobile[e, a, i] = gives * restrained.free[e, a, i]
     for a in range(axes):
         n = restrained.free[e, j, a] / size
         reaction[e, a] += ((mass - restrained.mass[e]) * (u - before) / h + drag * u) * n

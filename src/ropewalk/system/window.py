@@ -3,18 +3,25 @@
 How far a node is from the contacts is measured along the lines, through what joins them. What is beyond the window is
 no part of its runs: a run within it is shorter, and some nodes at its ends stand still, so that what is cut there acts
 on none that moves. Waves come back from the ends of the window as from supports; what a node has of kinetic energy
-where the window leaves it is lost, and its displacement stays.
+where the window leaves it is lost, and its displacement stays. A bridge under a track bends as a whole, whatever the
+width: it moves with all that stands on it as soon as the window comes to it.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Collection
+from typing import Any, NamedTuple
 
 import numpy as np
+import scipy.sparse as sparse
+from scipy.sparse.csgraph import connected_components
 
-from ropewalk.mechanics.chain import Array
+from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.model.scenario import Scenario
+from ropewalk.system.assembled import Assembled
 from ropewalk.system.contacts import AWAY, FREE, GONE
-from ropewalk.system.structure import DAMPED, Buffers, Structure, SystemState
+from ropewalk.system.structure import DAMPED, Buffers, Runs, Structure, SystemState
+from ropewalk.system.ties import Ties
 from ropewalk.system.travel import Tables
 
 # Nodes at a cut that stand still: three links on, second differences and their own are whole.
@@ -29,17 +36,27 @@ class Window:
     Args:
         structure: all of it.
         width: m, on both sides of each contact.
+        bridges: runs that move as a whole.
     """
 
-    def __init__(self, structure: Structure, width: float) -> None:
-        self.whole, self._width = structure, width
+    def __init__(self, structure: Structure, width: float, bridges: Collection[int] = ()) -> None:
+        self.whole, self._width, self._bridges = structure, width, bridges
         restrained, runs = structure.restraints, structure.runs
-        self._joined: list[list[tuple[int, int]]] = [[] for _ in runs.first]  # restraints of each run, and where
-        for e in range(restrained.mass.size):
-            for node in restrained.members(e).tolist():
-                s = int(np.searchsorted(runs.first, node, side="right")) - 1
-                self._joined[s].append((e, node - int(runs.first[s])))
+        joints = [_nodes(runs, restrained.members(e)) for e in range(restrained.mass.size)]
+        self._columns = columns_of(structure.ties, runs, structure.nodes.mass.size)
+        joints += [column.points for column in self._columns]
+        where = [(run, e, at) for e, points in enumerate(joints) for run, at in points]
+        here = [[(e, at) for run, e, at in where if run == s] for s in range(runs.h.size)]
+        # Of each run: numbers of the joints on it, restraints and then columns, and where they are, m.
+        self._joined = [(np.array([e for e, _ in own], dtype=np.int64), np.array([x for _, x in own])) for own in here]
         self.still = np.zeros(restrained.mass.size, dtype=np.bool_)  # restraints that do
+
+    @staticmethod
+    def of(scenario: Scenario, assembled: Assembled, width: float) -> Window:
+        """The window of a scenario that is laid out, on both sides of its contacts, m."""
+        over = {name for track in scenario.tracks.values() for name in track.over}
+        bridges = [s for s, name in enumerate(assembled.line) if name in over]
+        return Window(assembled.structure, width, bridges)
 
     def wait(self, contacts: Any, tables: Tables, step: float) -> int:
         """For how many steps of a length in s contacts stay where the window is open, at their largest speeds."""
@@ -70,15 +87,16 @@ class Window:
         if not any(places):
             return whole
         near = self._distances(places)
-        self.still[:] = near > reach
+        self.still[:] = near[: self.still.size] > reach
         low, high = np.zeros_like(runs.first), np.zeros_like(runs.first)
         light = np.zeros_like(whole.nodes.light)
         for s, h in enumerate(runs.h):
             n = int(runs.links[s])
             spans = [(x - reach, x + reach) for x in places[s]]
-            spans += [
-                (i * h - reach + near[e], i * h + reach - near[e]) for e, i in self._joined[s] if near[e] <= reach
-            ]
+            joined = zip(*self._joined[s], strict=True)
+            spans += [(x - reach + near[e], x + reach - near[e]) for e, x in joined if near[e] <= reach]
+            if spans and s in self._bridges:
+                spans = [(0.0, n * h)]
             if not spans:
                 high[s] = min(2, n)
                 continue
@@ -87,6 +105,9 @@ class Window:
             begin = int(runs.first[s])
             light[begin + first : begin + last + 1] = whole.nodes.light[begin + first : begin + last + 1]
             low[s], high[s] = max(first - STILL, 0), min(last + STILL, n)
+        for column, away in zip(self._columns, near[self.still.size :], strict=True):
+            if away <= reach:
+                light[column.masses] = whole.nodes.light[column.masses]
         clamped = runs.clamped * np.stack([low == 0, high == runs.links], axis=1)
         restrained, moves = whole.restraints, ~self.still
         return whole._replace(
@@ -99,14 +120,15 @@ class Window:
         )  # fmt: skip
 
     def _distances(self, places: list[list[float]]) -> Array:
-        """How far restraints are from contacts along the lines, m; `places` of contacts on each run, m along it."""
-        near, h = np.full(self.whole.restraints.mass.size, np.inf), self.whole.runs.h
+        """How far joints are from contacts along the lines, m; `places` of contacts on each run, m along it."""
+        near = np.full(self.whole.restraints.mass.size + len(self._columns), np.inf)
         while True:
             before = near.copy()
-            for s, joined in enumerate(self._joined):
-                known = [(x, 0.0) for x in places[s]] + [(i * h[s], near[e]) for e, i in joined]
-                for e, i in joined:
-                    near[e] = min(near[e], *(away + abs(x - i * h[s]) for x, away in known))
+            for s, ((e, x), own) in enumerate(zip(self._joined, places, strict=True)):
+                if e.size:
+                    known, away = np.concatenate([own, x]), np.concatenate([np.zeros(len(own)), near[e]])
+                    along = 0.0 if s in self._bridges else np.abs(known - x[:, None])
+                    np.minimum.at(near, e, np.min(away + along, axis=-1))
             if np.array_equal(near, before):
                 return near
 
@@ -124,3 +146,48 @@ class Window:
         state.work[DAMPED] += lost
         state.v[:, stands] = 0.0
         buffers.rate[stands] = 0.0
+
+
+class Column(NamedTuple):
+    """Ties with the masses between them, which join points of runs as a sleeper with its pads and ballast does."""
+
+    points: list[tuple[int, float]]  # runs, and m along them
+    masses: Integers  # nodes
+
+
+def columns_of(ties: Ties | None, runs: Runs, nodes: int) -> list[Column]:
+    """What ties join: those with a mass in common are one column.
+
+    Args:
+        ties: of a structure.
+        runs: whose points they tie.
+        nodes: how many there are, those of runs and masses.
+    """
+    if ties is None or not ties.first.size:
+        return []
+    on_run = np.zeros(nodes, dtype=np.bool_)
+    for first, links in zip(runs.first.tolist(), runs.links.tolist(), strict=True):
+        on_run[first : first + links + 1] = True
+    parts = ties.parts(nodes).tocsc()
+    masses = abs(parts) @ sparse.diags(np.where(on_run, 0.0, 1.0))
+    count, group = connected_components(masses @ masses.T, directed=False)
+    found = []
+    for number in range(count):
+        own = parts[group == number].tocoo()
+        points: list[tuple[int, float]] = []
+        for first, links, h, s in zip(runs.first, runs.links, runs.h, range(runs.h.size), strict=True):
+            mine = (own.col >= first) & (own.col <= first + links) & on_run[own.col]
+            if mine.any():
+                i, part = own.col[mine] - first, own.data[mine]
+                points.append((s, float(h * (part @ i) / part.sum())))
+        found.append(Column(points, np.unique(own.col[~on_run[own.col]])))
+    return found
+
+
+def _nodes(runs: Runs, nodes: Integers) -> list[tuple[int, float]]:
+    """Runs of nodes, and how far along them they are, m."""
+    found = []
+    for node in nodes.tolist():
+        s = int(np.searchsorted(runs.first, node, side="right")) - 1
+        found.append((s, float((node - runs.first[s]) * runs.h[s])))
+    return found
