@@ -33,8 +33,6 @@ _SYSTEM = "joined lines, nets, lines on inner supports, lines in wind and lines 
 
 def _only_lines(parts: Parts) -> Iterator[Finding]:
     run = parts.run
-    for name in parts.nets if isinstance(run, Dynamic) and run.geometry == "linearised" else ():
-        yield missing(("nets", name), "small motion", remedy="write geometry: nonlinear")
     for name, line in parts.lines.items():
         if line is not None and line.segments:
             yield from _of_segments(name, line)

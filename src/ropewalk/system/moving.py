@@ -237,7 +237,7 @@ class SystemMotion:
             EquilibriumError: there is such a run.
         """
         runs, links, loads = self.structure.runs, self.structure.about.links, scenario.loads.values()
-        for s in np.flatnonzero(runs.bending == 0.0):
+        for s in np.flatnonzero((runs.bending == 0.0) & (runs.firm == 0.0)):  # ways on nets only lie there
             tension = links["tension"][runs.first[s] : runs.first[s] + runs.links[s]]
             bears = any(load.on == self.assembled.line[s] for load in loads)
             least = float(tension.min() if bears else np.abs(tension).max())

@@ -134,7 +134,9 @@ def about_rest(structure: Structure, rest: Array) -> Structure:
         found[key] = getattr(buffers, key)
     for s, (first, links) in enumerate(zip(runs.first, runs.links, strict=True)):
         found["slope"][first : first + links] = law.tangents(runs.law[s], buffers.strain[first : first + links])
-    return structure._replace(about=About(np.array([rest, buffers.bent]), found))
+    about = About(np.array([rest, buffers.bent]), found)
+    surfaces = None if structure.surfaces is None else structure.surfaces.about_rest(rest)
+    return structure._replace(about=about, surfaces=surfaces)
 
 
 def tensions(structure: Structure, r: Array) -> Array:

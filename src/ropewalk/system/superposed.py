@@ -33,10 +33,10 @@ from ropewalk.solve.superposition import (
 )
 from ropewalk.system.assembled import Assembled
 from ropewalk.system.assembly import contacts_of, refuse_beyond
+from ropewalk.system.cells_about_rest import tensions_about_rest
 from ropewalk.system.doubts import doubt_slack
 from ropewalk.system.frames import FrameBuilder, SystemNote
 from ropewalk.system.loaded_structure import Carried, LoadedStructure, load_springs, measure_from_ends
-from ropewalk.system.membrane_elements import tensions_of
 from ropewalk.system.passing import Passing
 from ropewalk.system.rest import about_rest, at_rest
 from ropewalk.system.statics import SystemPotential
@@ -46,7 +46,6 @@ from ropewalk.system.structures import structure_of
 _STORED = ("kinetic", "elastic", "gravitational", "load_kinetic", "load_potential")
 _KNOWN = [ENERGY_FORMS.index(form) for form in _STORED]
 _LINKS = 0.5  # of a link, that contacts go in the longest step
-_LITTLE = 1e-4  # of the largest displacement, over which differences are taken
 
 
 class Superposed:
@@ -244,18 +243,10 @@ class Superposed:
 
     def _cell_tensions(self, x: Array) -> Array | None:
         """Tensions of cells to the first order, (cell, direction) N/m."""
-        surfaces, size = self._linear.surfaces, float(np.abs(x).max(initial=0.0))
-        if surfaces is None:
+        if (surfaces := self._linear.surfaces) is None:
             return None
-        rest, count = self.rest, surfaces.cells.area.size
-        at_rest = tensions_of(surfaces.cells, count, rest.T)
-        if size == 0.0:
-            return at_rest
-        part = _LITTLE * float(np.sqrt(surfaces.cells.area.min())) / size
-        ahead, behind = (
-            tensions_of(surfaces.cells, count, (rest + sign * part * x.reshape(rest.shape)).T) for sign in (1.0, -1.0)
-        )
-        return np.asarray(at_rest + (ahead - behind) / (2.0 * part))
+        r = self.rest + x.reshape(self.rest.shape)
+        return tensions_about_rest(surfaces.cells, surfaces.cells.area.size, self.rest, r)
 
 
 class _RestState:
