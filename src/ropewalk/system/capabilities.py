@@ -186,8 +186,6 @@ def _over_saddles(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
         yield missing(("run", "geometry"), what, "linearised", "write geometry: nonlinear")
     if isinstance(run, Dynamic) and run.axial_inertia != 1.0:
         yield missing(("run", "axial_inertia"), what, f"{run.axial_inertia:g}", "leave axial_inertia out")
-    if isinstance(run, Linear):
-        yield missing(("lines", name, "saddles"), what, "linear", "ask for kind: dynamic")
     if isinstance(run, Dynamic) and run.start.kind == "result":
         for saddle, own in line.saddles.items():
             if not isinstance(own.support, Fixed):  # results do not hold where it stands
@@ -409,11 +407,13 @@ def _moves_little(parts: Parts) -> Iterator[Finding]:
     if parts.wind is not None and parts.is_airy and not parts.wind.is_calm:
         remedy = f"give wind a speed of 0, or {_DYNAMIC}"
         yield missing(("wind", "speed"), _LINEAR, "wind that blows", remedy, feature="wind")
+    sheaves = [(name, wheel) for name, line in parts.lines.items() if line for wheel in line.sheaves.values()]
+    if len({wheel.friction > 0.0 for _, wheel in sheaves}) > 1:
+        feature = "lines that friction holds at some of their sheaves, and that slip over others,"
+        yield missing(("lines", sheaves[0][0], "sheaves"), _LINEAR, remedy=_DYNAMIC, feature=feature)
     for name, line in parts.lines.items():
         if line is None:
             continue
-        if line.sheaves:
-            yield missing(("lines", name, "sheaves"), _LINEAR, remedy=_DYNAMIC)
         inner = ((("supports", key), support) for key, support in line.supports.items())
         for key, support in (*(((key,), support) for key, support in line.ends()), *inner):
             moved = getattr(support, "displacement", (0.0, 0.0))
@@ -445,7 +445,7 @@ LINEAR = replace(
     what=_LINEAR,
     only={
         "run.kind": ("linear",),
-        "lines.law.kind": _LAWS,
+        "lines.law.kind": (*_LAWS, "inextensible"),
         **OF_LINEAR_THEORY,
         "loads.lift_off": (False,),
     },
@@ -459,6 +459,7 @@ LINEAR = replace(
         _only_lines,
         _over_profiles,
         _overhead,
+        _inextensible,
         _joined_between_nodes,
         _of_tracks,
         _on_nets,
