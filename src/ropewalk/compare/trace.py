@@ -76,7 +76,7 @@ class Level:
     paths: Mapping[str, PathOnNet] = field(default_factory=dict)  # of loads on nets
 
     def under(self, load: str, line: str, xi: Array) -> Array:
-        """Places (..., axis) at rest of the material points xi (...) of a line, or of the path of a load on a net, m."""
+        """Places (..., axis) at rest of material points xi (...) of a line, or of the path of a load on a net, m."""
         if (path := self.paths.get(load)) is not None:
             return path.rest(xi, self.place[path.net])
         return np.stack([np.interp(xi, self.xi[line], row) for row in self.place[line].T], axis=-1)

@@ -37,6 +37,12 @@ class Silent:
         """Press nowhere."""
         return []
 
+    def get_state(self) -> None:
+        """Nothing changes in it."""
+
+    def set_state(self, state: None) -> None:
+        """Nothing changes in it."""
+
 
 class Chained(Stepwise):
     """Plain lines moved from outside; see `Stepwise`."""

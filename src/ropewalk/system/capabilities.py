@@ -178,12 +178,13 @@ def _by_steps(run: Dynamic, what: str) -> Iterator[Finding]:
 def _over_saddles(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
     """Lines lie on saddles by what their links stretch, and rub there in motion."""
     what, run = "lines over saddles", parts.run
+    by_modes = "write geometry: nonlinear, or kind: linear, which is small motion by its modes"
     if line.foundation:
         yield missing(("lines", name, "foundation"), what, f"{line.foundation:g}", "leave foundation out")
     if isinstance(line.law, Inextensible):
         yield missing(("lines", name, "law", "kind"), what, "inextensible", "give an axial_stiffness with law hooke")
     if isinstance(run, Dynamic) and run.geometry == "linearised":
-        yield missing(("run", "geometry"), what, "linearised", "write geometry: nonlinear")
+        yield missing(("run", "geometry"), what, "linearised", by_modes)
     if isinstance(run, Dynamic) and run.axial_inertia != 1.0:
         yield missing(("run", "axial_inertia"), what, f"{run.axial_inertia:g}", "leave axial_inertia out")
     if isinstance(run, Dynamic) and run.start.kind == "result":
@@ -235,7 +236,8 @@ def _inextensible(parts: Parts) -> Iterator[Finding]:
                 remedy = f"leave {key} out, or give an axial_stiffness with law hooke"
                 yield missing(("loads", name, "travel", key), what, "a block", remedy)
     if run.geometry == "linearised":
-        feature, remedy = "linearised geometry", "write geometry: nonlinear"
+        feature = "linearised geometry"
+        remedy = "write geometry: nonlinear, or kind: linear, which is small motion by its modes"
         yield missing(("run", "geometry"), what, "linearised", remedy, feature=feature)
 
 
@@ -291,6 +293,8 @@ def _in_a_window(parts: Parts) -> Iterator[Finding]:
     if not isinstance(run, Dynamic) or run.window is None:
         return
     path, given, remedy = ("run", "window"), f"{run.window:g} m", "leave window out"
+    if parts.nets:
+        yield Finding(path, "a window is measured along lines, and a net has none", given, remedy)
     if run.start.kind != "rest":
         yield missing(path, _SYSTEM, given, remedy, feature=f"a window with start.kind: {run.start.kind}")
     if parts.wind is not None and not parts.wind.is_calm:

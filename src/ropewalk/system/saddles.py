@@ -91,7 +91,7 @@ class Saddles(NamedTuple):
         return sparse.csc_matrix((np.concatenate(values), at), shape=(r.size, r.size))
 
     def held(self, r: Array) -> list[tuple[int, int, Array]]:
-        """Nodes that lie on saddles with friction: saddle, node, and the unit vector (axis,) along which it is pressed."""
+        """Nodes that lie on saddles with friction: saddle, node, and the unit vector (axis,) that presses it."""
         return [
             (e, int(i), p / np.linalg.norm(p))
             for e, nodes, _, slope, _ in self._depths(r) if self.friction[e] > 0.0

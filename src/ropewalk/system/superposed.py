@@ -40,7 +40,7 @@ from ropewalk.system.passing import Passing
 from ropewalk.system.rest import about_rest, at_rest
 from ropewalk.system.rest_state import RestState, how_at_sheaves
 from ropewalk.system.statics import SystemPotential
-from ropewalk.system.structure import WORKS, Structure, SystemState
+from ropewalk.system.structure import WORKS, SystemState
 from ropewalk.system.structures import structure_of
 
 _STORED = ("kinetic", "elastic", "gravitational", "load_kinetic", "load_potential")
@@ -82,7 +82,8 @@ class Superposed:
         self._potential = SystemPotential(self._linear, self._loaded, size, how=how_at_sheaves(structure))
         self._potential.forces(self._potential.taken())
         self._loaded.stand(0.0, rest)
-        self._passing = Passing(self._linear, self._loaded, self._potential, self._tables)
+        names = [wheel.load for wheel in loading.wheels]
+        self._passing = Passing(self._linear, self._loaded, self._potential, self._tables, names)
         self._builder = FrameBuilder(self._assembled, loading, self._of, windy=False)
         doubt_slack(scenario, run_info, self.layout.link_line, self._potential.buffers.tension[self._builder.link])
         run_info.method = "modal superposition"
