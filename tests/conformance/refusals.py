@@ -86,6 +86,7 @@ _PATTERNS = {
         "walkers on profiles on beams alone": rf"on a profile {_NOT}",
         "no linear theory in wind that blows": rf"wind {_NOT} kind: linear",
         "no linear theory to compare with": r"^no distances$",
+        "no comparison on nets": r"compare supports lines; nets and membranes are not implemented",
         "tracks begin at rest, without a window and a linear theory":
             rf"{_NOT} tracks|tracks[^:]*: {_NOT} kind: linear",
         "linear theory: no vehicle that starts on the line":

