@@ -32,8 +32,8 @@ class PathOnNet:
 
 def paths_on_nets(scenario: Scenario) -> dict[str, PathOnNet]:
     """The paths of all loads that are on nets, by load."""
-    sheets = {name: sheet_of(name, net) for name, net in scenario.nets.items()}
-    return {name: _path(sheets[load.on], corners) for name, load, corners in _on_nets(scenario)}
+    meshes = {name: sheet_of(name, net) for name, net in scenario.nets.items()}
+    return {name: _path(meshes[load.on], corners) for name, load, corners in _on_nets(scenario)}
 
 
 def _on_nets(scenario: Scenario) -> Iterator[tuple[str, AnyLoad, Array]]:

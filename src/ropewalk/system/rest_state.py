@@ -44,7 +44,7 @@ class RestState:
         if structure.taut is not None:
             potential.buffers.tension[:] = structure.taut
         shape, n = rest.ravel(), rest.shape[1]
-        self._saddles, self._held = structure.saddles, structure.saddles.held(rest) if structure.saddles else []
+        self._saddles, self._stuck = structure.saddles, structure.saddles.stuck(rest) if structure.saddles else []
         potential.stick(shape)
         K, M, C = potential.stiffness(shape), potential.masses(), potential.damping(shape)
         self.free = potential.free.tocsr()
@@ -110,7 +110,7 @@ class RestState:
             x: (place,) m, from rest.
         """
         left, slips, n = force.reshape(self._axes, -1).copy(), False, force.size // self._axes
-        for e, i, way in self._held:
+        for e, i, way in self._stuck:
             assert self._saddles is not None
             along = left[:, i] - way * float(way @ left[:, i])
             deep = x.reshape(self._axes, n)[:, [i, int(self._saddles.node[e])]]

@@ -90,7 +90,7 @@ class Saddles(NamedTuple):
         at = np.concatenate(rows), np.concatenate(columns)
         return sparse.csc_matrix((np.concatenate(values), at), shape=(r.size, r.size))
 
-    def held(self, r: Array) -> list[tuple[int, int, Array]]:
+    def stuck(self, r: Array) -> list[tuple[int, int, Array]]:
         """Nodes that lie on saddles with friction: saddle, node, and the unit vector (axis,) that presses it."""
         return [
             (e, int(i), p / np.linalg.norm(p))
@@ -114,7 +114,7 @@ class Saddles(NamedTuple):
         """
         n, moved = r.shape[1], free.tolil()
         gone, more = list[int](), list[tuple[Array, Array]]()
-        for e, i, way in self.held(r):
+        for e, i, way in self.stuck(r):
             at, own = np.arange(r.shape[0]) * n + i, np.arange(r.shape[0]) * n + self.node[e]
             gone.extend(c for row in moved.rows[at] for c in row)
             moved[at] = moved[own]
