@@ -206,10 +206,6 @@ def check_spectrum(scenario: Scenario, *, with_loads: bool, at_rest: bool = True
         for key in () if at_rest else line.winches:
             where, remedy = ("lines", name, key, "winch"), "leave the time out"
             raise refusal(missing(where, "the spectrum at an instant", "a block", remedy, feature="a winch"))
-        for saddle, own in line.saddles.items():
-            if own.friction:
-                path, remedy = ("lines", name, "saddles", saddle, "friction"), "leave friction out"
-                raise refusal(missing(path, "spectra", f"{own.friction:g}", remedy, feature="friction on saddles"))
     if scenario.is_network:
         for found in _of_rest(SYSTEM, scenario, with_loads=with_loads) if at_rest else ():
             raise refusal(found)

@@ -147,6 +147,8 @@ def _machs(scenario: Scenario, result: xr.Dataset, trace: Trace) -> tuple[float 
     """Largest speed of a wheel over those of transverse waves (at rest, ahead of the load) and of longitudinal ones."""
     if path_name(result) != "time":
         return None, None, None
+    if trace.line in scenario.nets:  # waves of a net have no one direction
+        return None, None, None
     name = trace.line.removesuffix(f".{CONTACT_WIRE}")
     if name in scenario.overhead_lines:
         wire: Any = scenario.overhead_lines[name].contact_wire

@@ -165,9 +165,6 @@ class ConstantForces:
 
     def _at_rest(self) -> dict[str, tuple[float, ...]]:
         scenario = self.scenario
-        if scenario.nets:
-            masses = {name: load for name, load in scenario.loads.items() if isinstance(load, MovingMass)}
-            return {name: (0.0, -load.mass * scenario.gravity) for name, load in masses.items()}
         is_chain = not (scenario.has_bending_stiffness or scenario.is_network)
         loading = setting_of(scenario, 0.0).loading if is_chain else loading_of(scenario, 0.0)
         forces = resting_forces(loading)
@@ -191,11 +188,13 @@ class ConstantForces:
         if on.size < 2:
             raise RopewalkError(f"load {label} is never on its line")
         first, last = on[0], on[-1]
+        path = getattr(load, "path", None) or getattr(getattr(load, "travel", None), "path", None)  # on a net
         if isinstance(load, Travelling) and isinstance(load.travel, FreeTravel):
             kept = np.unique(np.linspace(first, last, min(self.segments + 1, on.size)).astype(int))
             kept = kept[np.isfinite(trace.xi[kept])]
             xi, time = trace.xi[kept], trace.time[kept]
             table: Any = steps(time, np.diff(xi) / np.diff(time))
-            return Travel(speed=table, start=max(float(xi[0]), 0.0), at_end="leave")
+            return Travel(speed=table, start=max(float(xi[0]), 0.0), at_end="leave", path=path)
         speed = float((trace.xi[last] - trace.xi[first]) / (trace.time[last] - trace.time[first]))
-        return Travel(speed=speed, start=max(float(trace.xi[first] - speed * trace.time[first]), 0.0), at_end="leave")
+        start = max(float(trace.xi[first] - speed * trace.time[first]), 0.0)
+        return Travel(speed=speed, start=start, at_end="leave", path=path)

@@ -203,7 +203,7 @@ def _on_wires(model: SimplerModel, progress: Callable[[float], None]) -> xr.Data
 def _own_level(model: SimplerModel, result: xr.Dataset, level: Level) -> Level:
     """Where a model rests: the linear theory knows another shape under the weight of a line than the full geometry."""
     if model.name == LINEAR:
-        return level_of(None, result, level.towards)
+        return level_of(None, result, level.towards, level.paths)
     return level
 
 

@@ -13,6 +13,7 @@ from ropewalk.compare.trace import Difference, Level, Trace, difference
 from ropewalk.coupling import largest
 from ropewalk.mechanics.chain import Array
 from ropewalk.results.contract import path_name
+from ropewalk.results.nets import net_names
 from ropewalk.results.statistics import Summary, lines
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ EVERYWHERE = (-np.inf, np.inf)
 class Quantities:
     """What one model says: lines, supports and wheels by name, values in SI units with place (xi) and instant."""
 
-    lines: dict[str, Summary]  # deflection (m), tension (N)
+    lines: dict[str, Summary]  # deflection (m), tension (N; of nets N/m)
     supports: dict[str, Summary]  # force (N)
     wheels: dict[str, Summary]  # contact_force: largest, mean, deviation (N); hold_force (N), last_speed (m/s)
 
@@ -98,6 +99,8 @@ def quantities_of(
             "deflection": _deepest([largest(deep[:, seen], xi[seen], path), *map(_under, under)]),
             "tension": largest(result["tension"].values[:, links], middle, path),
         }
+    for net in net_names(result):
+        of_lines[net] = _of_net(result, net, level, [trace for trace in found.values() if trace.line == net])
     supports: dict[str, Summary] = {}
     for k, name in enumerate(result["support"].values.tolist()):
         size = np.linalg.norm(result["reaction"].values[:, k], axis=1)
@@ -106,6 +109,19 @@ def quantities_of(
     wheels = {wheel: _wheel(trace, speeds=speeds) for wheel, trace in found.items()}
     found_here = Quantities(of_lines, supports, wheels)
     return found_here if path_name(result) == "time" else found_here.over(path_name(result))
+
+
+def _of_net(result: xr.Dataset, net: str, level: Level, under: list[Trace]) -> Summary:
+    """The largest deflection of a net in m, and its largest tension in N/m; places of a net are none along a line."""
+    path, here = result[path_name(result)].values, np.flatnonzero(result["line"].values == net)
+    deep = (result["position"].values[:, here] - level.place[net]) @ level.towards
+    cells = np.flatnonzero(result["cell_net"].values == net)
+    pull = result["cell_tension"].values[:, cells].max(axis=2)
+    deepest, most = (largest(values, np.zeros(values.shape[1]), path) for values in (deep, pull))
+    return {
+        "deflection": {**_deepest([deepest, *map(_under, under)]), "xi": None},
+        "tension": {**most, "xi": None},
+    }  # fmt: skip
 
 
 def _under(trace: Trace) -> Summary | None:

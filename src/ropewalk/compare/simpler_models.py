@@ -62,9 +62,6 @@ def top_of(scenario: Scenario) -> SimplerModel:
     Raises:
         ScenarioError: there is nothing to compare.
     """
-    if scenario.nets:
-        wrong, remedy = "compare supports lines; nets and membranes are not implemented", "leave nets out"
-        raise ScenarioError([Problem("nets", wrong, ", ".join(scenario.nets), remedy)])
     for name, load in scenario.loads.items():
         if isinstance(load, Crowd):
             wrong, remedy = (

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ropewalk.compare.paths_on_nets import PathOnNet, paths_on_nets
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.model.load import AnyLoad
 from ropewalk.model.pantograph import Pantograph
@@ -71,12 +72,14 @@ class Level:
 
     towards: Array  # (axis,) unit vector
     xi: dict[str, Array]  # of each line, (node,) m
-    place: dict[str, Array]  # of each line, (node, axis) m
+    place: dict[str, Array]  # of each line and net, (node, axis) m
+    paths: Mapping[str, PathOnNet] = field(default_factory=dict)  # of loads on nets
 
-    def below(self, line: str, xi: Array, place: Array) -> Array:
-        """How far places (..., axis) of material points xi (...) have gone from there, m."""
-        rest = np.stack([np.interp(xi, self.xi[line], row) for row in self.place[line].T], axis=-1)
-        return np.asarray((place - rest) @ self.towards)
+    def under(self, load: str, line: str, xi: Array) -> Array:
+        """Places (..., axis) at rest of material points xi (...) of a line, or of the path of a load on a net, m."""
+        if (path := self.paths.get(load)) is not None:
+            return path.rest(xi, self.place[path.net])
+        return np.stack([np.interp(xi, self.xi[line], row) for row in self.place[line].T], axis=-1)
 
 
 def pressed(result: xr.Dataset) -> Array:
@@ -94,15 +97,18 @@ def pressed(result: xr.Dataset) -> Array:
     return towards
 
 
-def level_of(scenario: Scenario | None, result: xr.Dataset, towards: Array) -> Level:
+def level_of(
+    scenario: Scenario | None, result: xr.Dataset, towards: Array, paths: Mapping[str, PathOnNet] | None = None
+) -> Level:
     """Where the lines of a result rest without loads: how it begins, or a run of its own.
 
     Args:
         scenario: of the result; None: of a run that begins at rest.
         result: of any kind of run.
         towards: (axis,) direction in which deflections count.
+        paths: of loads on nets, where no scenario says them.
     """
-    bare = result
+    bare, paths = result, paths_on_nets(scenario) if scenario is not None else paths or {}
     if scenario is not None and not _begins_at_rest(scenario):
         lines = scenario.lines
         if all((line.mass and scenario.gravity) or (line.length or 0.0) <= line.distance for line in lines.values()):
@@ -113,10 +119,11 @@ def level_of(scenario: Scenario | None, result: xr.Dataset, towards: Array) -> L
     places = {name: place[nodes] for name, nodes in here.items()}
     if bare is result and scenario is not None and not _begins_at_rest(scenario):  # slack and weightless: the chord
         part = {name: (xi[nodes] / max(float(xi[nodes[-1]]), 1e-300))[:, None] for name, nodes in here.items()}
-        places = {n: places[n][:1] + part[n] * (places[n][-1:] - places[n][:1]) for n in names}
+        chords = {n: places[n][:1] + part[n] * (places[n][-1:] - places[n][:1]) for n in names}
+        places |= {n: chord for n, chord in chords.items() if n not in scenario.nets}
     if place.shape[1] < towards.size:  # a simpler model that knows nothing of what lies aside
         towards = towards[_IN_PLANE]
-    return Level(towards, {name: xi[nodes] for name, nodes in here.items()}, places)
+    return Level(towards, {name: xi[nodes] for name, nodes in here.items()}, places, paths)
 
 
 def _begins_at_rest(scenario: Scenario) -> bool:
@@ -139,44 +146,50 @@ def traces(
     """
     found = {}
     for wheel, names in wheels.items():
-        load = load_of(scenario, wheel)
+        name, load = name_of(scenario, wheel), load_of(scenario, wheel)
         line = scenario.carrier_of(load)
         each = [k for k, name in enumerate(result["load"].values.tolist()) if name in names]
         if isinstance(load, Pantograph):
             limits = analysed_stations(scenario.overhead_lines[load.on])
-            found[wheel] = _filtered(_sampled(result, each[0], line, level), *limits)
+            found[wheel] = _filtered(_sampled(result, each[0], line, level, name), *limits)
         elif has_samples(result) and len(each) == 1:
-            found[wheel] = _sampled(result, each[0], line, level)
+            found[wheel] = _sampled(result, each[0], line, level, name)
         elif each:
-            found[wheel] = _together([_framed(result, k, line, level) for k in each])
+            found[wheel] = _together([_framed(result, k, line, level, name) for k in each])
     return found
+
+
+def name_of(scenario: Scenario, wheel: str) -> str:
+    """The name of the load that a wheel belongs to."""
+    return wheel if wheel in scenario.loads else wheel.rsplit(".", 1)[0]
 
 
 def load_of(scenario: Scenario, wheel: str) -> AnyLoad:
     """The load that a wheel belongs to."""
-    return scenario.loads.get(wheel) or scenario.loads[wheel.rsplit(".", 1)[0]]
+    return scenario.loads[name_of(scenario, wheel)]
 
 
-def _framed(result: xr.Dataset, k: int, line: str, level: Level) -> Trace:
-    """A contact at the frames of a result."""
+def _framed(result: xr.Dataset, k: int, line: str, level: Level, load: str) -> Trace:
+    """A contact of a load at the frames of a result."""
     of = {name: result[f"contact_{name}"].values[:, k] for name in ("xi", "position", "force", "tension", "speed")}
     hold = np.linalg.norm(np.nan_to_num(result["hold_force"].values[:, k]), axis=1)
-    depth = level.below(line, of["xi"], of["position"])
+    depth = (of["position"] - level.under(load, line, of["xi"])) @ level.towards
     return Trace(line, result[path_name(result)].values, of["xi"], depth, of["force"], hold, of["tension"], of["speed"])
 
 
-def _sampled(result: xr.Dataset, k: int, line: str, level: Level) -> Trace:
+def _sampled(result: xr.Dataset, k: int, line: str, level: Level, load: str) -> Trace:
     """A contact at the samples between the frames; what these do not hold is that of the frames."""
-    flat, frames = samples(result), _framed(result, k, line, level)
+    flat, frames = samples(result), _framed(result, k, line, level, load)
     time, xi = flat["time"].values, flat["station"].values[:, k]
     if time.size < frames.time.size:
         return frames
     force = np.zeros((time.size, frames.force.shape[1]))
     force[:, -1] = flat["force"].values[:, k]
     at = np.clip(np.searchsorted(frames.time, time), 0, frames.time.size - 1)
-    place = np.stack([np.interp(xi, level.xi[line], row) for row in level.place[line].T], axis=-1)
+    rest = level.under(load, line, xi)
+    place = rest.copy()
     place[:, -1] = flat["height"].values[:, k]
-    depth, others = level.below(line, xi, place), (frames.hold[at], frames.tension[at], frames.speed[at])
+    depth, others = (place - rest) @ level.towards, (frames.hold[at], frames.tension[at], frames.speed[at])
     return Trace(line, time, xi, depth, force, *others)
 
 

@@ -30,12 +30,18 @@ from ropewalk.solve.splitting import RUNNING
 from ropewalk.solve.start import setting_of
 
 
-class _Silent:
+class Silent:
     """Stands for a model that is asked by nobody: its contacts are moved from outside."""
 
     def step(self, t: float, h: float, line: Any) -> list[Any]:
         """Press nowhere."""
         return []
+
+    def get_state(self) -> None:
+        """Nothing changes in it."""
+
+    def set_state(self, state: None) -> None:
+        """Nothing changes in it."""
 
 
 class Chained(Stepwise):
@@ -46,7 +52,7 @@ class Chained(Stepwise):
         run = scenario.run
         assert isinstance(run, Dynamic)
         steppers = {
-            name: Stepper(on=c.on, model=_Silent(), exchange=Exchange(stiffness=c.stiffness, damping=c.damping))
+            name: Stepper(on=c.on, model=Silent(), exchange=Exchange(stiffness=c.stiffness, damping=c.damping))
             for name, c in outside.items()
         }
         whole = scenario.model_copy(update={"loads": {**scenario.loads, **steppers}})

@@ -73,11 +73,11 @@ def export(
     side: Side | None = None,
     every: float = _EVERY,
 ) -> Path:
-    """Write a line with its supports, or a vehicle, as an FMU for co-simulation (FMI 2.0).
+    """Write a line or net with its supports, or a vehicle, as an FMU for co-simulation (FMI 2.0).
 
     Args:
         scenario: of kind dynamic; all lines and loads of it travel in the FMU of a line.
-        what: name of the line, or of the load.
+        what: name of the line, the net or the load; contacts on a net go along the path of its first load.
         file: to be written, .fmu.
         causality: what it gives. Of a line, motion (the default): forces in, heights of the contacts out; force:
             heights in, forces of contact springs out. Of a vehicle, force (the default where its contacts have
@@ -97,7 +97,7 @@ def export(
     """
     file = Path(file)
     _check(scenario, file)
-    if what in scenario.lines or what in scenario.overhead_lines:
+    if what in {**scenario.lines, **scenario.overhead_lines, **scenario.nets}:
         wish = LineExport(
             contacts, measured, _CONTACT_STIFFNESS if contact_stiffness is None else contact_stiffness, contact_damping,
             side, every,
@@ -108,7 +108,7 @@ def export(
         resources, options = _vehicle(scenario, what, file, causality, contact_stiffness, every)
         slave = "VehicleSlave"
     else:
-        names = [*scenario.lines, *scenario.overhead_lines, *scenario.loads]
+        names = [*scenario.lines, *scenario.overhead_lines, *scenario.nets, *scenario.loads]
         raise _refused("export", "there is no such line or load", what, did_you_mean(what, names))
     _build(file, slave, resources, options)
     return file

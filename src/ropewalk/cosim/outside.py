@@ -28,6 +28,7 @@ class Outside:
     stiffness: float = 0.0  # N/m
     damping: float = 0.0  # N s/m
     side: Side | None = None  # where the body is that may leave the line; None: it is held in both directions
+    path: tuple[tuple[float, ...], ...] | None = None  # on a net: places [u, v] in m, through which it may be moved
 
     @property
     def is_sprung(self) -> bool:

@@ -25,17 +25,20 @@ def stepwise(scenario: Scenario, outside: Mapping[str, Outside], *, step: float 
         ScenarioError: the scenario is of another kind, or a contact is on no line of it.
         RopewalkError: it has no rest to begin with.
     """
-    if not isinstance(scenario.run, Dynamic) or scenario.is_network:
-        wrong = "joined lines, ropes on inner supports and nets" if scenario.is_network else "a run without a motion"
-        remedy = "leave nets, joints and inner supports out" if scenario.is_network else "write kind: dynamic"
-        raise ScenarioError([Problem("run.kind", f"{wrong} cannot be moved from outside", scenario.run.kind, remedy)])
-    lines = [*scenario.lines, *scenario.overhead_lines]
+    if not isinstance(scenario.run, Dynamic):
+        wrong, remedy = "a run without a motion cannot be moved from outside", "write kind: dynamic"
+        raise ScenarioError([Problem("run.kind", wrong, scenario.run.kind, remedy)])
+    lines = [*scenario.lines, *scenario.overhead_lines, *scenario.nets]
     for name, contact in outside.items():
         if contact.on not in lines:
             remedy = did_you_mean(contact.on, lines)
             raise ScenarioError([Problem(f"contact {name}", "there is no such line", contact.on, remedy)])
         if name in scenario.loads:
             raise ScenarioError([Problem(f"contact {name}", "a load has that name", name, "give it another")])
+    if scenario.is_network or scenario.parts.has_inextensible:
+        from ropewalk.cosim.on_system import OnSystem  # lazy: as below
+
+        return OnSystem(scenario, outside)
     if scenario.has_bending_stiffness:
         for found in WIRES.motion.unsupported(scenario.parts):
             raise refusal(found)

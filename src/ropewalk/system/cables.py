@@ -83,6 +83,7 @@ def _stretch_little(structure, buffers, r):
     """Strains of all links, whose second differences are known, to the first order about rest."""
     runs, links, rest, bent = structure.runs, structure.about.links, structure.about.shape[0], structure.about.shape[1]
     for s in range(runs.first.size):
+        arc, short = 2.0 * runs.arcs[s] * ARC, 2.0 * runs.arcs[s] * SHORT_ARC
         for i in range(runs.first[s], runs.first[s] + runs.links[s]):
             change = 0.0
             for a in range(r.shape[0]):
@@ -90,7 +91,7 @@ def _stretch_little(structure, buffers, r):
                 change += chord * ((r[a, i + 1] - r[a, i]) - chord)
                 d, e = bent[a, i], bent[a, i + 1]
                 one, two = buffers.bent[a, i] - d, buffers.bent[a, i + 1] - e
-                change += 2.0 * ARC * (d * one + e * two) + 2.0 * SHORT_ARC * (e - d) * (two - one)
+                change += arc * (d * one + e * two) + short * (e - d) * (two - one)
             buffers.length[i], buffers.pull[i] = links[i].length, links[i].pull
             buffers.strain[i] = links[i].strain + change / (links[i].length * runs.h[s])
 
@@ -311,7 +312,7 @@ def _stored_little(structure, buffers, r, i, s):
     for a in range(r.shape[0]):
         chord = (r[a, i + 1] - r[a, i]) - (rest[a, i + 1] - rest[a, i])
         d, e = buffers.bent[a, i] - bent[a, i], buffers.bent[a, i + 1] - bent[a, i + 1]
-        square += 0.5 * chord * chord + ARC * (d * d + e * e) + SHORT_ARC * (e - d) ** 2
+        square += 0.5 * chord * chord + structure.runs.arcs[s] * (ARC * (d * d + e * e) + SHORT_ARC * (e - d) ** 2)
     stored = h * (law.stored(structure.runs.law[s], link.strain) + link.tension * longer)
     stored += 0.5 * h * link.slope * longer * longer
     return stored + link.pull * (square - 0.5 * (h * longer) ** 2)

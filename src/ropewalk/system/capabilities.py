@@ -33,8 +33,6 @@ _SYSTEM = "joined lines, nets, lines on inner supports, lines in wind and lines 
 
 def _only_lines(parts: Parts) -> Iterator[Finding]:
     run = parts.run
-    for name in parts.nets if isinstance(run, Dynamic) and run.geometry == "linearised" else ():
-        yield missing(("nets", name), "small motion", remedy="write geometry: nonlinear")
     for name, line in parts.lines.items():
         if line is not None and line.segments:
             yield from _of_segments(name, line)
@@ -178,16 +176,15 @@ def _by_steps(run: Dynamic, what: str) -> Iterator[Finding]:
 def _over_saddles(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
     """Lines lie on saddles by what their links stretch, and rub there in motion."""
     what, run = "lines over saddles", parts.run
+    by_modes = "write geometry: nonlinear, or kind: linear, which is small motion by its modes"
     if line.foundation:
         yield missing(("lines", name, "foundation"), what, f"{line.foundation:g}", "leave foundation out")
     if isinstance(line.law, Inextensible):
         yield missing(("lines", name, "law", "kind"), what, "inextensible", "give an axial_stiffness with law hooke")
     if isinstance(run, Dynamic) and run.geometry == "linearised":
-        yield missing(("run", "geometry"), what, "linearised", "write geometry: nonlinear")
+        yield missing(("run", "geometry"), what, "linearised", by_modes)
     if isinstance(run, Dynamic) and run.axial_inertia != 1.0:
         yield missing(("run", "axial_inertia"), what, f"{run.axial_inertia:g}", "leave axial_inertia out")
-    if isinstance(run, Linear):
-        yield missing(("lines", name, "saddles"), what, "linear", "ask for kind: dynamic")
     if isinstance(run, Dynamic) and run.start.kind == "result":
         for saddle, own in line.saddles.items():
             if not isinstance(own.support, Fixed):  # results do not hold where it stands
@@ -237,7 +234,8 @@ def _inextensible(parts: Parts) -> Iterator[Finding]:
                 remedy = f"leave {key} out, or give an axial_stiffness with law hooke"
                 yield missing(("loads", name, "travel", key), what, "a block", remedy)
     if run.geometry == "linearised":
-        feature, remedy = "linearised geometry", "write geometry: nonlinear"
+        feature = "linearised geometry"
+        remedy = "write geometry: nonlinear, or kind: linear, which is small motion by its modes"
         yield missing(("run", "geometry"), what, "linearised", remedy, feature=feature)
 
 
@@ -293,6 +291,8 @@ def _in_a_window(parts: Parts) -> Iterator[Finding]:
     if not isinstance(run, Dynamic) or run.window is None:
         return
     path, given, remedy = ("run", "window"), f"{run.window:g} m", "leave window out"
+    if parts.nets:
+        yield Finding(path, "a window is measured along lines, and a net has none", given, remedy)
     if run.start.kind != "rest":
         yield missing(path, _SYSTEM, given, remedy, feature=f"a window with start.kind: {run.start.kind}")
     if parts.wind is not None and not parts.wind.is_calm:
@@ -406,11 +406,13 @@ def _moves_little(parts: Parts) -> Iterator[Finding]:
     if parts.wind is not None and parts.is_airy and not parts.wind.is_calm:
         remedy = f"give wind a speed of 0, or {_DYNAMIC}"
         yield missing(("wind", "speed"), _LINEAR, "wind that blows", remedy, feature="wind")
+    sheaves = [(name, wheel) for name, line in parts.lines.items() if line for wheel in line.sheaves.values()]
+    if len({wheel.friction > 0.0 for _, wheel in sheaves}) > 1:
+        feature = "lines that friction holds at some of their sheaves, and that slip over others,"
+        yield missing(("lines", sheaves[0][0], "sheaves"), _LINEAR, remedy=_DYNAMIC, feature=feature)
     for name, line in parts.lines.items():
         if line is None:
             continue
-        if line.sheaves:
-            yield missing(("lines", name, "sheaves"), _LINEAR, remedy=_DYNAMIC)
         inner = ((("supports", key), support) for key, support in line.supports.items())
         for key, support in (*(((key,), support) for key, support in line.ends()), *inner):
             moved = getattr(support, "displacement", (0.0, 0.0))
@@ -442,7 +444,7 @@ LINEAR = replace(
     what=_LINEAR,
     only={
         "run.kind": ("linear",),
-        "lines.law.kind": _LAWS,
+        "lines.law.kind": (*_LAWS, "inextensible"),
         **OF_LINEAR_THEORY,
         "loads.lift_off": (False,),
     },
@@ -456,6 +458,7 @@ LINEAR = replace(
         _only_lines,
         _over_profiles,
         _overhead,
+        _inextensible,
         _joined_between_nodes,
         _of_tracks,
         _on_nets,

@@ -280,13 +280,17 @@ class SystemCarrier:
         contact, top = self.system.contacts[k], self.system.state.r.shape[0] - 1
         return float(self.motion(k)[0][top] if contact["kind"] == BODY else contact["place"][top])
 
-    def set_down(self, k: int, xi: float) -> None:
-        """Let contact k stand on its line at xi in m."""
+    def set_down(self, k: int, xi: float, speed: float = 0.0) -> None:
+        """Let contact k stand on its line at xi in m, from where it goes along it at a speed in m/s."""
         self.take_up(k)
         contact, state, own = self.system.contacts[k], self.system.state, self._own(k)
         dim, tables = state.r.shape[0], self.system.tables
         self._lose_kink(k)
-        place, velocity = self.line(k).spline(xi)
+        line = self.line(k)
+        place, velocity = line.spline(xi)
+        if speed:
+            behind, ahead = (min(max(xi + way, 0.0), line.length) for way in (-self.reach(k), self.reach(k)))
+            velocity = velocity + speed * (line.spline(ahead)[0] - line.spline(behind)[0]) / (ahead - behind)
         contact["state"], contact["been"], contact["comes"] = ON, 1, 0
         contact["begin"] = xi - float(tables.speed_value[contact["speed_first"]]) * self.t
         for name in ("place", "before", "p"):
@@ -366,7 +370,7 @@ class SystemCarrier:
         contact, tables, state = self.system.contacts[k], self.system.tables, self.system.state
         away = push.xi - float(state.s[k])
         if contact["state"] != ON or abs(away) > self.reach(k):
-            self.set_down(k, push.xi)
+            self.set_down(k, push.xi, push.speed)
             away = 0.0
         first, speed = int(contact["force_first"]), push.speed + away / every  # catches up until then
         tables.force_time[first], tables.force_time[first + 1] = self.t, self.t + every

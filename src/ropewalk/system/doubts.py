@@ -51,6 +51,14 @@ def coarse_for_wheels(scenario: Scenario) -> Iterator[str]:
             )
 
 
+def doubt_sticking(run_info: RunInfo, t: float, where: str) -> None:
+    """Doubt once small motion in which lines stick where friction bears less than that asks for, at t in s."""
+    what = f"a line sticks at {where} in small motion, and from t = {t:.4g} s on that asks for more than its friction"
+    if not any(doubt.what.startswith(what.partition(",")[0]) for doubt in run_info.doubts):
+        wrong = "there it would slip, and tensions on both sides differ less"
+        run_info.doubt(what, wrong, "", "ask for kind: dynamic")
+
+
 def doubt_saddles(scenario: Scenario, run_info: RunInfo, frames: Frames, line: Sequence[str]) -> None:
     """Doubt lines that pass below a saddle from the beginning: there rest was found on the wrong side of it."""
     for name, own in scenario.lines.items():

@@ -17,6 +17,7 @@ from ropewalk.results.frames import Frames, summed
 from ropewalk.system.assembled import Assembled
 from ropewalk.system.beyond_kinks import beyond_kinks
 from ropewalk.system.bodies import BodyArrays
+from ropewalk.system.cells_about_rest import tensions_about_rest
 from ropewalk.system.contacts import FORCE, ON, PRESCRIBED
 from ropewalk.system.hold_forces import FrictionDemand, beside
 from ropewalk.system.membrane_elements import tensions_of
@@ -231,7 +232,11 @@ class FrameBuilder:
     def _cell_tensions(self, at: SystemNote) -> dict[str, Array]:
         if (surfaces := self.assembled.structure.surfaces) is None:
             return {}
-        return {"cell_tension": np.array([tensions_of(surfaces.cells, surfaces.cells.area.size, r.T) for r in at.r])}
+        cells, count = surfaces.cells, surfaces.cells.area.size
+        if surfaces.is_linearised:
+            rest = self.assembled.near
+            return {"cell_tension": np.array([tensions_about_rest(cells, count, rest, r) for r in at.r])}
+        return {"cell_tension": np.array([tensions_of(cells, count, r.T) for r in at.r])}
 
     def _hauled(self) -> tuple[str, ...]:
         """Carriages that ropes haul: each rope's own, and then those at the other ends of ropes over pulleys."""

@@ -27,7 +27,8 @@ def over_sheaves(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
             feature = "a joint without mass that hangs on sheaves alone"
             yield missing(("lines", name, "sheaves", sheave, "to"), what, wheel.to, remedy, feature=feature)
     if isinstance(run, Dynamic) and run.geometry == "linearised":
-        yield missing(("run", "geometry"), what, "linearised", "write geometry: nonlinear")
+        remedy = "write geometry: nonlinear, or kind: linear, which is small motion by its modes"
+        yield missing(("run", "geometry"), what, "linearised", remedy)
     if isinstance(run, Dynamic) and run.axial_inertia != 1.0:
         yield missing(("run", "axial_inertia"), what, f"{run.axial_inertia:g}", "leave axial_inertia out")
     if isinstance(run, Dynamic) and run.start.kind == "result":

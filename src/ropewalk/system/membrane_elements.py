@@ -126,9 +126,9 @@ def _spread(cells, e, P, f):
 
 
 @lean_inner
-def add_membrane_forces(cells, r, f, F, P):
-    """Add the elastic forces of all cells to f (node, 3)."""
-    for e in range(cells.area.size):
+def add_membrane_forces(cells, begin, end, r, f, F, P):
+    """Add the elastic forces of the cells `begin` ... `end` - 1 to f (node, 3)."""
+    for e in range(begin, end):
         _gradient(cells, e, r, F)
         p = cells.fabrics[cells.membrane_elements[e]]
         if p[0] == THREADS:

@@ -44,7 +44,7 @@ from ropewalk.system.hold_forces import on_friction
 from ropewalk.system.inertia import remark_inertia, with_inertia
 from ropewalk.system.loaded_structure import Carried, LoadedStructure, load_springs, measure_from_ends
 from ropewalk.system.methods import cut_by_damping, first_damper, shaken
-from ropewalk.system.rest import about_rest, at_rest, least, tensions
+from ropewalk.system.rest import about_rest, at_rest, least, refuse_limp, tensions
 from ropewalk.system.segments import mass_of
 from ropewalk.system.stability import GROWN, SAFETY, largest_frequency, largest_step, waves_of, while_passing
 from ropewalk.system.statics import SystemPotential
@@ -60,9 +60,6 @@ LONG = 0.2
 
 # Part of the longest step of the sixth order that is used: kinks raise the tensions that rest has.
 RKN6_SAFETY = 0.9
-
-# Tension over axial stiffness from which on a line without bending stiffness is slack.
-_LIMP = 1e-12
 
 _ENDS = {
     motion.NOT_FINITE: ("diverged", "positions stopped being numbers; take a smaller run.step"),
@@ -104,7 +101,7 @@ class SystemMotion:
         self.structure, self.rest = at_rest(self.assembled.structure, gravity, self.assembled.near)
         if asked.geometry == "linearised":
             self.structure = about_rest(self.structure, self.rest)
-            self._refuse_limp(scenario)
+            refuse_limp(self.structure, self.assembled.line, scenario.loads)
         if asked.axial_inertia != 1.0:
             self.structure = with_inertia(self.structure, self.rest, asked.axial_inertia)
             remark_inertia(run_info, asked.axial_inertia, self.structure, self.rest, self.assembled.line)
@@ -174,6 +171,11 @@ class SystemMotion:
         return replace(self._builder.layout, external=external_in(self._scenario))
 
     @property
+    def carrier(self) -> SystemCarrier:
+        """The system with what may be done to its loads on the way."""
+        return self._carrier
+
+    @property
     def tension(self) -> Array:
         """Tensions of links by their first node, N."""
         return self._buffers.tension
@@ -227,25 +229,6 @@ class SystemMotion:
     def _gives_way(self) -> bool:
         """Whether stiff contacts give way within a step."""
         return self.run_info.method == "explicit"
-
-    def _refuse_limp(self, scenario: Scenario) -> None:
-        """Refuse runs that resist nothing across themselves to the first order about rest, least where loads stand.
-
-        Links of others may be pushed together a little: with these their rest is stable.
-
-        Raises:
-            EquilibriumError: there is such a run.
-        """
-        runs, links, loads = self.structure.runs, self.structure.about.links, scenario.loads.values()
-        for s in np.flatnonzero(runs.bending == 0.0):
-            tension = links["tension"][runs.first[s] : runs.first[s] + runs.links[s]]
-            bears = any(load.on == self.assembled.line[s] for load in loads)
-            least = float(tension.min() if bears else np.abs(tension).max())
-            if least <= _LIMP * float(law.tangent(runs.law[s], 0.0)):
-                raise EquilibriumError(
-                    f"{self.assembled.line[s]} is slack at rest, and in small motion only its tension bears what acts "
-                    "across it: write geometry: nonlinear, or give it less length"
-                )
 
     def _limit_tension(self) -> None:
         """Note how far tensions of inextensible lines may grow before steps are too long for their waves."""

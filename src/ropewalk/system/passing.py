@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.chain import ARC, HORIZONTAL, SLIP, Array
 from ropewalk.mechanics.compiled import lean
 from ropewalk.mechanics.moving_contact import look_up
@@ -60,13 +62,15 @@ class Passing:
         structure: linearised about rest.
         loaded: what stands on it, at rest.
         tables: histories of its contacts.
+        names: (contact,) of the loads that they belong to.
     """
 
     def __init__(
-        self, structure: Structure, loaded: LoadedStructure, potential: SystemPotential, tables: Tables
-    ) -> None:
+        self, structure: Structure, loaded: LoadedStructure, potential: SystemPotential, tables: Tables,
+        names: Sequence[str],
+    ) -> None:  # fmt: skip
         self.structure, self.loaded, self._tables = structure, loaded, tables
-        self.contacts = loaded.contacts
+        self.contacts, self._names = loaded.contacts, names
         self._buffers, self._table, self._out = potential.buffers, compliances(), np.zeros(4)
         self.state = loaded.state.copy()
         self.contacts["measure"][self.contacts["measure"] == SLIP] = ARC  # along what stands still
@@ -83,6 +87,7 @@ class Passing:
     def at(self, t: float, on: NDArray[np.bool_]) -> ContactsAtInstant:
         """Those that are on their lines, as said."""
         self.place(t, on)
+        self._refuse_sheaves(t)
         here, dim = np.flatnonzero(on), self.state.r.shape[0]
         contacts: Any = self.contacts[here]
         force = contacts["given"][:, :dim].copy()
@@ -95,6 +100,19 @@ class Passing:
             here, contacts["near"].copy(), contacts["weight"].copy(), 1.0 / contacts["moving"],
             contacts["p"][:, :dim].copy(), contacts["speed"][:, None] * along, force,
         )  # fmt: skip
+
+    def _refuse_sheaves(self, t: float) -> None:
+        """Refuse contacts on the link over which a sheave stands."""
+        sheaves, runs, lines = self.structure.sheaves, self.structure.runs, self.structure.lines
+        for run in () if sheaves is None else sheaves.run.tolist():
+            low, high = lines.begin[run] + runs.links[run] * runs.h[run], lines.begin[run + 1]
+            line = int(np.searchsorted(lines.first, run, side="right")) - 1
+            on = (self.contacts["state"] == ON) & (self.contacts["line"] == line)
+            if (k := np.flatnonzero(on & (low < self.state.s) & (self.state.s < high))).size:
+                raise RopewalkError(
+                    f"loads.{self._names[k[0]]}.travel: the load has come to a sheave at t = {t:.4g} s, which it "
+                    "cannot pass; let it turn back before, or end the run there"
+                )
 
     def beside(self, t: float, on: NDArray[np.bool_]) -> Array:
         """Velocities (contact, axis) with which the ground moves those that are not on their lines, m/s."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 
 import numpy as np
@@ -11,6 +11,7 @@ from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.compiled import lean, records
+from ropewalk.model.load import AnyLoad
 from ropewalk.solve import minimum
 from ropewalk.system import constrained
 from ropewalk.system.cables import add_wind_forces
@@ -21,6 +22,8 @@ from ropewalk.system.structure import REST, About, Structure
 
 # Rounds in which lines find their rest in the wind, and the move over their size that is none any more.
 _ROUNDS, _NEAR = 100, 1e-10
+# Tension over axial stiffness from which on a line without bending stiffness is slack.
+_LIMP = 1e-12
 
 
 def settle(structure: Structure, start: Array, *, within: bool = False) -> Array:
@@ -133,8 +136,37 @@ def about_rest(structure: Structure, rest: Array) -> Structure:
     for key in ("strain", "tension", "length", "pull"):
         found[key] = getattr(buffers, key)
     for s, (first, links) in enumerate(zip(runs.first, runs.links, strict=True)):
+        if runs.law[s, 0] == law.RIGID:  # what its tension changes by is an unknown of its own
+            continue
         found["slope"][first : first + links] = law.tangents(runs.law[s], buffers.strain[first : first + links])
-    return structure._replace(about=About(np.array([rest, buffers.bent]), found))
+    about = About(np.array([rest, buffers.bent]), found)
+    surfaces = None if structure.surfaces is None else structure.surfaces.about_rest(rest)
+    return structure._replace(about=about, surfaces=surfaces)
+
+
+def refuse_limp(structure: Structure, line: Sequence[str], loads: Mapping[str, AnyLoad]) -> None:
+    """Refuse runs that resist nothing across themselves to the first order about rest, least where loads stand.
+
+    Links of others may be pushed together a little: with these their rest is stable. Ways on nets only lie there.
+
+    Args:
+        structure: linearised.
+        line: (run,) names.
+        loads: that travel over it.
+
+    Raises:
+        EquilibriumError: there is such a run.
+    """
+    runs, links = structure.runs, structure.about.links
+    for s in np.flatnonzero((runs.bending == 0.0) & (runs.firm == 0.0)):
+        tension = links["tension"][runs.first[s] : runs.first[s] + runs.links[s]]
+        bears = any(load.on == line[s] for load in loads.values())
+        weakest = float(tension.min() if bears else np.abs(tension).max())
+        if weakest <= _LIMP * float(law.tangent(runs.law[s], 0.0)):
+            raise EquilibriumError(
+                f"{line[s]} is slack at rest, and in small motion only its tension bears what acts across it: write "
+                "geometry: nonlinear, or give it less length"
+            )
 
 
 def tensions(structure: Structure, r: Array) -> Array:

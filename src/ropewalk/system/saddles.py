@@ -90,6 +90,41 @@ class Saddles(NamedTuple):
         at = np.concatenate(rows), np.concatenate(columns)
         return sparse.csc_matrix((np.concatenate(values), at), shape=(r.size, r.size))
 
+    def stuck(self, r: Array) -> list[tuple[int, int, Array]]:
+        """Nodes that lie on saddles with friction: saddle, node, and the unit vector (axis,) that presses it."""
+        return [
+            (e, int(i), p / np.linalg.norm(p))
+            for e, nodes, _, slope, _ in self._depths(r) if self.friction[e] > 0.0
+            for i, p in zip(nodes, slope.T, strict=True)
+        ]  # fmt: skip
+
+    def pressing(self, r: Array) -> dict[int, float]:
+        """Forces in N with which nodes are pressed into saddles, by node."""
+        return {
+            int(i): float(self.k[e] * depth * np.linalg.norm(p))
+            for e, nodes, g, slope, _ in self._depths(r)
+            for i, depth, p in zip(nodes, g, slope.T, strict=True)
+        }  # fmt: skip
+
+    def sticking(self, free: sparse.csc_matrix, r: Array) -> sparse.csc_matrix:
+        """Ways (place, unknown) in which nodes may move a little where friction holds those on saddles.
+
+        They go with their saddles, and are pressed into these: it takes a force to overcome friction, however small the
+        motion is.
+        """
+        n, moved = r.shape[1], free.tolil()
+        gone, more = list[int](), list[tuple[Array, Array]]()
+        for e, i, way in self.stuck(r):
+            at, own = np.arange(r.shape[0]) * n + i, np.arange(r.shape[0]) * n + self.node[e]
+            gone.extend(c for row in moved.rows[at] for c in row)
+            moved[at] = moved[own]
+            more.append((at, way))
+        kept = np.setdiff1d(np.arange(free.shape[1]), gone)
+        pressed = sparse.lil_matrix((free.shape[0], len(more)))
+        for c, (at, way) in enumerate(more):
+            pressed[at, c] = way
+        return sparse.hstack([moved.tocsc()[:, kept], pressed], format="csc")
+
     def neighbours(self, r: Array) -> sparse.csc_matrix:
         """Which places may feel which, of nodes that come near saddles, (place, place)."""
         n = r.shape[1]

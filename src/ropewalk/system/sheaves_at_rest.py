@@ -94,6 +94,14 @@ def push_over(sheaves: Sheaves, runs: Runs, r: Array) -> None:
                 r[:, near] = r[:, b] + 1e-9 * h * way / length
 
 
+def turned_at(sheaves: Sheaves, runs: Runs, r: Array) -> Array:
+    """Angles by which lines turn at sheaves, (sheave,) rad, at places r (axis, node) in m."""
+    behind, own, ahead = (r[:, at] for at in _nodes(sheaves, runs).T)
+    one, two = own - behind, ahead - own
+    cosine = (one * two).sum(axis=0) / np.maximum(np.linalg.norm(one, axis=0) * np.linalg.norm(two, axis=0), 1e-300)
+    return np.asarray(np.arccos(np.clip(cosine, -1.0, 1.0)))
+
+
 def gravitational(sheaves: Sheaves, runs: Runs, r: Array) -> float:
     """Potential energy of the weights of pieces beyond that of nodes, J, at places r (axis, node) in m."""
     ends, h = runs.first[sheaves.run] + runs.links[sheaves.run], runs.h[sheaves.run]

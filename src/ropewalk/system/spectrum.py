@@ -86,7 +86,8 @@ def _within_dead_bands(potential: SystemPotential) -> SystemPotential:
 
 
 def _equations(potential: SystemPotential, shape: Array, nodes: Integers, layout: Layout) -> Equations:
-    """Equations of motion about a shape, as results show its nodes."""
+    """Equations of motion about a shape, as results show its nodes; friction holds what lies on saddles."""
+    potential.stick(shape)
     K, M, C = potential.stiffness(shape), potential.masses(), potential.damping(shape)
     n = potential.structure.nodes.mass.size
     moves = potential.free.tocsr()[(nodes[:, None] + n * np.arange(3)).ravel()]

@@ -153,6 +153,13 @@ class SystemPotential:
         self.free = sparse.block_diag([self._nodes_free, bodies], format="csc")
         self._ways = self._beside_lines()
 
+    def stick(self, shape: Array) -> None:
+        """Let friction on saddles hold what lies there in a shape, as it does in small motion."""
+        if self.structure.saddles is not None:
+            r = shape[: self.loaded.rest.size].reshape(self.loaded.rest.shape)
+            self._nodes_free = self.structure.saddles.sticking(self._nodes_free, r)
+            self.arrange()
+
     def put(self, shape: Array) -> tuple[Array, Array]:
         """Put everything into a shape; gives places of the nodes (axis, node) and coordinates of loads."""
         state = self.loaded.state

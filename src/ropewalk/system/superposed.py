@@ -11,7 +11,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sparse
 from numpy.typing import NDArray
 
 from ropewalk.mechanics.assembly import axes_of
@@ -33,20 +32,20 @@ from ropewalk.solve.superposition import (
 )
 from ropewalk.system.assembled import Assembled
 from ropewalk.system.assembly import contacts_of, refuse_beyond
-from ropewalk.system.doubts import doubt_slack
+from ropewalk.system.cells_about_rest import tensions_about_rest
+from ropewalk.system.doubts import doubt_slack, doubt_sticking
 from ropewalk.system.frames import FrameBuilder, SystemNote
 from ropewalk.system.loaded_structure import Carried, LoadedStructure, load_springs, measure_from_ends
-from ropewalk.system.membrane_elements import tensions_of
 from ropewalk.system.passing import Passing
 from ropewalk.system.rest import about_rest, at_rest
+from ropewalk.system.rest_state import RestState, how_at_sheaves
 from ropewalk.system.statics import SystemPotential
-from ropewalk.system.structure import WORKS, Structure, SystemState
+from ropewalk.system.structure import WORKS, SystemState
 from ropewalk.system.structures import structure_of
 
 _STORED = ("kinetic", "elastic", "gravitational", "load_kinetic", "load_potential")
 _KNOWN = [ENERGY_FORMS.index(form) for form in _STORED]
 _LINKS = 0.5  # of a link, that contacts go in the longest step
-_LITTLE = 1e-4  # of the largest displacement, over which differences are taken
 
 
 class Superposed:
@@ -74,15 +73,17 @@ class Superposed:
         refuse_beyond(scenario, loading, contacts, structure)
         measure_from_ends(contacts, structure, rest)
         contacts["margin"] = contacts["step"] = 0.0
-        self._still = _RestState(structure, rest)
+        self._still = RestState(structure, rest)
         K, M, C = self._still.equations
         self.modes = ModalBasis.of(K, M, C, self._still.free, run.modes)
         carried = Carried(contacts, self._tables, self._of)
         self._loaded = LoadedStructure(self._linear, rest, carried)
-        self._potential = SystemPotential(self._linear, self._loaded, float(np.ptp(rest, axis=1).max()))
+        size = float(np.ptp(rest, axis=1).max())
+        self._potential = SystemPotential(self._linear, self._loaded, size, how=how_at_sheaves(structure))
         self._potential.forces(self._potential.taken())
         self._loaded.stand(0.0, rest)
-        self._passing = Passing(self._linear, self._loaded, self._potential, self._tables)
+        names = [wheel.load for wheel in loading.wheels]
+        self._passing = Passing(self._linear, self._loaded, self._potential, self._tables, names)
         self._builder = FrameBuilder(self._assembled, loading, self._of, windy=False)
         doubt_slack(scenario, run_info, self.layout.link_line, self._potential.buffers.tension[self._builder.link])
         run_info.method = "modal superposition"
@@ -219,8 +220,15 @@ class Superposed:
         potential.forces(shape)
         buffers, v = potential.buffers, moment.velocity.reshape(r.shape)
         inertia, forces = self._still.mass * moment.acceleration, self._still.forces(x, moment.velocity)
-        forces = forces + self._still.handed(self._pressed(touch, moment.force))
-        buffers.force[:] = (forces - inertia).reshape(r.shape)
+        forces = forces + self._still.handed(self._pressed(touch, moment.force)) - inertia
+        pulled, forces = self._still.kept(forces)
+        buffers.tension[:] += pulled
+        left, slips = self._still.rubbed(forces, x)
+        buffers.force[:] = left.reshape(r.shape)
+        if slips:
+            doubt_sticking(self._run_info, t, "a saddle")
+        if self._still.slips_over(self._linear.sheaves):
+            doubt_sticking(self._run_info, t, "a sheave")
         buffers.react(self._linear.restraints)
         located = loaded.contacts[touch.contact]
         kinks = 0.5 * float((located["firm"][:, None] * located["d"] ** 2).sum())
@@ -244,64 +252,7 @@ class Superposed:
 
     def _cell_tensions(self, x: Array) -> Array | None:
         """Tensions of cells to the first order, (cell, direction) N/m."""
-        surfaces, size = self._linear.surfaces, float(np.abs(x).max(initial=0.0))
-        if surfaces is None:
+        if (surfaces := self._linear.surfaces) is None:
             return None
-        rest, count = self.rest, surfaces.cells.area.size
-        at_rest = tensions_of(surfaces.cells, count, rest.T)
-        if size == 0.0:
-            return at_rest
-        part = _LITTLE * float(np.sqrt(surfaces.cells.area.min())) / size
-        ahead, behind = (
-            tensions_of(surfaces.cells, count, (rest + sign * part * x.reshape(rest.shape)).T) for sign in (1.0, -1.0)
-        )
-        return np.asarray(at_rest + (ahead - behind) / (2.0 * part))
-
-
-class _RestState:
-    """A structure at rest without loads: its matrices, forces and energy to the second order.
-
-    Args:
-        structure: with all its geometry.
-        rest: (axis, node) m.
-    """
-
-    def __init__(self, structure: Structure, rest: Array) -> None:
-        potential = SystemPotential(structure, LoadedStructure(structure, rest), float(np.ptp(rest, axis=1).max()))
-        shape, n = rest.ravel(), rest.shape[1]
-        K, M, C = potential.stiffness(shape), potential.masses(), potential.damping(shape)
-        self.free = potential.free.tocsr()
-        self.equations = ((0.5 * (K + K.T)).tocsc(), M, C)
-        self.mass = np.tile(structure.nodes.mass, rest.shape[0])  # (place,) kg
-        self._elastic = potential.stored(shape)
-        potential.forces(shape)
-        self._force = potential.buffers.force.ravel().copy()  # N, of lines, cells and weights
-        self._weight = structure.nodes.force.ravel().copy()
-        # The same of every place by itself, without what holds it.
-        restraints = structure.restraints
-        bare = structure._replace(
-            restraints=restraints._replace(
-                stiffness=np.zeros_like(restraints.stiffness), damping=np.zeros_like(restraints.damping)
-            )
-        )
-        whole = SystemPotential(bare, LoadedStructure(bare, rest), potential.size)
-        whole.free = sparse.identity(shape.size, format="csc")
-        self._K, self._C = whole.stiffness(shape), whole.damping(shape)
-        self._laid: Any = None
-        if structure.surfaces is not None:
-            self._laid = sparse.block_diag([structure.surfaces.shares(n)] * rest.shape[0]).tocsr()
-
-    def forces(self, x: Array, v: Array) -> Array:
-        """Forces of lines, cells, dampers and weights on all places that have gone by x from rest, N."""
-        return np.asarray(self._force - self._K @ x - self._C @ v)
-
-    def stored(self, x: Array) -> float:
-        """Energy in lines and cells, J."""
-        return self._elastic - float((self._force - self._weight) @ x) + 0.5 * float(x @ (self._K @ x))
-
-    def handed(self, force: Array) -> Array:
-        """The same forces where ways on nets hand them over to the cells below, N."""
-        if self._laid is None:
-            return force
-        on_ways = np.asarray(self._laid.sum(axis=1)).ravel() != 0.0
-        return np.asarray(np.where(on_ways, 0.0, force) + self._laid.T @ np.where(on_ways, force, 0.0))
+        r = self.rest + x.reshape(self.rest.shape)
+        return tensions_about_rest(surfaces.cells, surfaces.cells.area.size, self.rest, r)

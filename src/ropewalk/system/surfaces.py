@@ -20,6 +20,12 @@ import scipy.sparse as sparse
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import lean, lean_inner
 from ropewalk.system.cells import Cells
+from ropewalk.system.cells_about_rest import (
+    CellsAboutRest,
+    add_forces_about_rest,
+    damp_about_rest,
+    stored_about_rest,
+)
 from ropewalk.system.membrane_elements import add_membrane_forces, cell_stiffness, damp_cells, stored
 
 
@@ -36,6 +42,7 @@ class Surfaces(NamedTuple):
     F: Array  # (3, 2) room
     P: Array
     V: Array
+    about: CellsAboutRest = CellsAboutRest.nothing()
 
     @staticmethod
     def of(cells: Cells, laid: list[tuple[int, Integers, Array]]) -> Surfaces:
@@ -62,16 +69,38 @@ class Surfaces(NamedTuple):
         return sparse.coo_matrix((self.part, (row, self.corner)), shape=(nodes, nodes)).tocsr()
 
     def stiffness(self, r: Array) -> sparse.csc_matrix:
-        """Stiffness of all cells at places r (axis, node) in m, (place, place) N/m."""
+        """Stiffness of all cells at places r (axis, node) in m, (place, place) N/m; linearised: at rest."""
+        return self._gathered(self.about.stiffness if self.is_linearised else self._stiffness(r), r.shape[1])
+
+    def _stiffness(self, r: Array) -> Array:
+        """The same of each cell, (cell, 9, 9)."""
         K = np.zeros((self.cells.area.size, 9, 9))
         _stiffness(self.cells, r, K, self.F, np.zeros((4, 4)))
-        return self._gathered(0.5 * (K + K.transpose(0, 2, 1)), r.shape[1])
+        return 0.5 * (K + K.transpose(0, 2, 1))
 
     def damping(self, r: Array) -> sparse.csc_matrix:
         """Damping of all cells, (place, place) N s/m; forces are linear in the velocities of their corners."""
+        return self._gathered(self.about.damping if self.is_linearised else self._damping(r), r.shape[1])
+
+    def _damping(self, r: Array) -> Array:
+        """The same of each cell, (cell, 9, 9)."""
         C = np.zeros((self.cells.area.size, 9, 9))
         _damping(self.cells, r, np.zeros_like(r), np.zeros_like(r), C, self.F, self.P, self.V)
-        return self._gathered(C, r.shape[1])
+        return C
+
+    @property
+    def is_linearised(self) -> bool:
+        """Whether cells are linearised about rest."""
+        return bool(self.about.stored.size > 0)
+
+    def about_rest(self, rest: Array) -> Surfaces:
+        """The same, linearised about places of all nodes at rest (axis, node) in m."""
+        count = self.cells.area.size
+        force, energies = np.zeros((count, 9)), np.zeros(count)
+        _at_rest(self.cells, rest, np.zeros_like(rest), force, energies, self.F, self.P)
+        place = rest[:, self.cells.node].transpose(1, 2, 0).reshape(count, 9)
+        K, C = self._stiffness(rest), self._damping(rest)
+        return self._replace(about=CellsAboutRest(place, force, K, C, energies, np.zeros(9)))
 
     def neighbours(self, nodes: int) -> sparse.csc_matrix:
         """Ones where the stiffness may have entries, (place, place)."""
@@ -102,6 +131,18 @@ def _damping(cells, r, v, f, C, F, P, V):
             v[m % 3, cells.node[e, m // 3]] = 0.0
             for n in range(9):
                 C[e, n, m] = -f[n % 3, cells.node[e, n // 3]]
+
+
+@lean
+def _at_rest(cells, r, f, force, energies, F, P):
+    """Forces (cell, 9) of each cell on its corners, and its energy (cell,)."""
+    for e in range(cells.area.size):
+        for n in range(9):
+            f[n % 3, cells.node[e, n // 3]] = 0.0
+        add_membrane_forces(cells, e, e + 1, r.T, f.T, F, P)
+        for n in range(9):
+            force[e, n] = f[n % 3, cells.node[e, n // 3]]
+        energies[e] = stored(cells, e, r.T, F)
 
 
 @lean_inner
@@ -136,7 +177,11 @@ def add_surface_forces(surfaces, r, force):
     """Add the elastic forces of all cells."""
     if surfaces is None:
         return
-    add_membrane_forces(surfaces.cells, r.T, force.T, surfaces.F, surfaces.P)
+    cells = surfaces.cells
+    if surfaces.about.stored.size > 0:
+        add_forces_about_rest(surfaces.about, cells, r, force)
+    else:
+        add_membrane_forces(cells, 0, cells.area.size, r.T, force.T, surfaces.F, surfaces.P)
 
 
 @lean_inner
@@ -145,6 +190,8 @@ def damp_surfaces(surfaces, r, v, force):
     if surfaces is None:
         return 0.0
     cells = surfaces.cells
+    if surfaces.about.stored.size > 0:
+        return damp_about_rest(surfaces.about, cells, v, force)
     return damp_cells(cells, 0, cells.area.size, r.T, v.T, force.T, surfaces.F, surfaces.P, surfaces.V)
 
 
@@ -161,6 +208,8 @@ def stored_in(surfaces, r):
     """Energy stored in all cells, J."""
     if surfaces is None:
         return 0.0
+    if surfaces.about.stored.size > 0:
+        return stored_about_rest(surfaces.about, surfaces.cells, r)
     total = 0.0
     for e in range(surfaces.cells.area.size):
         total += stored(surfaces.cells, e, r.T, surfaces.F)
