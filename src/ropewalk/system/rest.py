@@ -158,7 +158,7 @@ def refuse_limp(structure: Structure, line: Sequence[str], loads: Mapping[str, A
         EquilibriumError: there is such a run.
     """
     runs, links = structure.runs, structure.about.links
-    for s in np.flatnonzero((runs.bending == 0.0) & (runs.firm == 0.0)):
+    for s in np.flatnonzero((runs.bending == 0.0) & (runs.firm == 0.0)).tolist():
         tension = links["tension"][runs.first[s] : runs.first[s] + runs.links[s]]
         bears = any(load.on == line[s] for load in loads.values())
         weakest = float(tension.min() if bears else np.abs(tension).max())

@@ -88,4 +88,4 @@ def _kept(p: Array, strain: Array, before: Array) -> tuple[Array, Array]:
 
 def _bounds(p: Array, strain: Array) -> Array:
     """Half of what unloading differs from loading by at strains, N."""
-    return np.maximum(law.tensions(p[1:], np.maximum(strain, 0.0)), 0.0)
+    return np.asarray(np.maximum(law.tensions(p[1:], np.maximum(strain, 0.0)), 0.0))

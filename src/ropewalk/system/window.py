@@ -148,14 +148,14 @@ class Window:
         buffers.rate[stands] = 0.0
 
 
-class Column(NamedTuple):
+class TiedColumn(NamedTuple):
     """Ties with the masses between them, which join points of runs as a sleeper with its pads and ballast does."""
 
     points: list[tuple[int, float]]  # runs, and m along them
     masses: Integers  # nodes
 
 
-def columns_of(ties: Ties | None, runs: Runs, nodes: int) -> list[Column]:
+def columns_of(ties: Ties | None, runs: Runs, nodes: int) -> list[TiedColumn]:
     """What ties join: those with a mass in common are one column.
 
     Args:
@@ -180,7 +180,7 @@ def columns_of(ties: Ties | None, runs: Runs, nodes: int) -> list[Column]:
             if mine.any():
                 i, part = own.col[mine] - first, own.data[mine]
                 points.append((s, float(h * (part @ i) / part.sum())))
-        found.append(Column(points, np.unique(own.col[~on_run[own.col]])))
+        found.append(TiedColumn(points, np.unique(own.col[~on_run[own.col]])))
     return found
 
 
