@@ -23,8 +23,8 @@ from ropewalk.solve.choice import RKN6_LIMIT, bounds, verlet_step
 from ropewalk.solve.composition import RKN6, VERLET
 from ropewalk.solve.splitting import advance
 from ropewalk.solve.start import setting_of, start_state
-from ropewalk.system import motion
-from ropewalk.system.moving import SystemMotion
+from ropewalk.system.dynamics import motion
+from ropewalk.system.dynamics.moving import SystemMotion
 
 Array = NDArray[np.float64]
 LINKS = (50, 200, 800, 3200, 12_800, 100_000, 1_000_000)

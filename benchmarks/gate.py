@@ -17,7 +17,7 @@ from ropewalk.errors import RopewalkError
 from ropewalk.model import Scenario
 from ropewalk.results.frame import ENERGY_FORMS, Frame, RunInfo
 from ropewalk.results.running import MotionEngine, TimeHistory
-from ropewalk.system.moving import SystemMotion
+from ropewalk.system.dynamics.moving import SystemMotion
 from ropewalk.theory import bead, beam, selfsimilar, string
 from ropewalk.theory.moving_oscillator import moving_oscillator
 from ropewalk.wires.frames import Wires

@@ -12,7 +12,7 @@ import numpy as np
 from ropewalk.model import Scenario
 from ropewalk.results.frame import RunInfo
 from ropewalk.results.running import TimeHistory
-from ropewalk.system.moving import SystemMotion
+from ropewalk.system.dynamics.moving import SystemMotion
 
 SIDES, MESH = (4.0, 3.0), 0.05  # m; of the net, and between its threads
 UNTIL, EVERY = 2.0, 0.02  # s

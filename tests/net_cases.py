@@ -10,12 +10,12 @@ from scipy.sparse import linalg
 from ropewalk.mechanics.chain import Array
 from ropewalk.model import Scenario
 from ropewalk.simulate import simulate
-from ropewalk.system.loaded_structure import LoadedStructure
-from ropewalk.system.membranes import MembraneMesh
-from ropewalk.system.rest import at_rest
-from ropewalk.system.statics import SystemPotential
-from ropewalk.system.structure import Structure
-from ropewalk.system.structures import structure_of
+from ropewalk.system.assembling.membranes import MembraneMesh
+from ropewalk.system.elements.structure import Structure
+from ropewalk.system.equilibrium.rest import at_rest
+from ropewalk.system.equilibrium.statics import SystemPotential
+from ropewalk.system.equilibrium.structures import structure_of
+from ropewalk.system.loads.loaded_structure import LoadedStructure
 
 FLAT = {"corner": [0.0, 0.0, 0.0], "sides": [[4.0, 0.0, 0.0], [0.0, 3.0, 0.0]]}
 

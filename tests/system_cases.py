@@ -10,7 +10,7 @@ from ropewalk.model import Scenario
 from ropewalk.model.run import every_of
 from ropewalk.results.frame import ENERGY_FORMS, Frame, RunInfo
 from ropewalk.results.running import TimeHistory
-from ropewalk.system.moving import SystemMotion
+from ropewalk.system.dynamics.moving import SystemMotion
 
 ROPE = {"start": [0, 0], "end": [20, 1], "length": 20.4, "mass": 1.0, "axial_stiffness": 1e5, "elements": 40}
 TRIPOD = {

@@ -24,6 +24,11 @@ LAYERS = (
     ("capabilities",), ("chains", "wiring"), ("meshes",), ("impact",), ("simulate",), ("effort",), ("decouple",),
     ("coupling",), ("scenario",), ("resuming",), ("cli",), ("__main__",),
 )  # fmt: skip
+# Of the system, in the same way; what works is asked without any of them.
+SYSTEM = (
+    ("capabilities", "several_lines", "lines_over_sheaves", "methods"), ("elements",), ("contact",), ("loads",),
+    ("assembling",), ("reporting",), ("equilibrium",), ("dynamics",), ("small_motion",),
+)  # fmt: skip
 # Extensions above the layers may look at everything; one not named here must be given its place first.
 ABOVE = ("calc", "compare", "paper", "sweeps", "designs", "cosim", "studio", "warming", "foreign", "validation")
 # Who may set closed forms beside the discrete solution.
@@ -207,6 +212,18 @@ def test_results_know_no_solver_through_others_either() -> None:
 
 def test_imports_run_downwards_only() -> None:
     assert [problem for path in modules() for problem in upward(path)] == []
+
+
+def test_within_the_system_too() -> None:
+    floors = {name: level for level, members in enumerate(SYSTEM) for name in members}
+    found = [
+        f"{path.relative_to(HOUSE)} imports {name}"
+        for path in modules()
+        if part_of(path) == "system" and (own := path.relative_to(HOUSE).parts[1].removesuffix(".py")) != "__init__"
+        for name in imported_modules(path)
+        if name.startswith("system.") and floors[name.split(".")[1]] > floors[own]
+    ]
+    assert found == []
 
 
 # What draws itself when it is asked to knows its picture, which knows it.

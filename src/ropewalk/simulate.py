@@ -177,7 +177,7 @@ def must_compile(scenario: Scenario) -> str:
         return ""
     engine = engine_of(scenario)
     if engine is SYSTEM:
-        from ropewalk.system import motion as system
+        from ropewalk.system.dynamics import motion as system
 
         return "" if is_kept(system.advance) else "about half a minute"
     if engine is WIRES:
@@ -232,7 +232,7 @@ def _formed(scenario: Scenario) -> Scenario:
         scenario = scenario.model_copy(update={"loads": loads})
     if not scenario.hangers:
         return scenario
-    from ropewalk.system.form_finding import formed  # lazy: most runs do not need it
+    from ropewalk.system.equilibrium.form_finding import formed  # lazy: most runs do not need it
 
     return formed(scenario)
 
@@ -241,7 +241,7 @@ def _motion(scenario: Scenario, run: Dynamic, run_info: RunInfo, times: Array, p
     """A motion, by the engine that its lines ask for."""
     engine = engine_of(scenario)
     if engine is SYSTEM:
-        from ropewalk.system.moving import SystemMotion  # lazy: most runs do not need their kernels
+        from ropewalk.system.dynamics.moving import SystemMotion  # lazy: most runs do not need their kernels
 
         return SystemMotion(scenario, run_info, times, past=past is not None)
     if engine is WIRES:
@@ -259,8 +259,11 @@ def _still(scenario: Scenario, run_info: RunInfo) -> StaticEngine:
     until = horizon(scenario) if isinstance(scenario.run, Quasistatic) and not scenario.nets else 0.0
     engine = engine_of(scenario)
     if engine is SYSTEM:
-        from ropewalk.system.rest_under_forces import RestUnderForces, is_split  # lazy: most runs do not need it
-        from ropewalk.system.still import SystemStatics
+        from ropewalk.system.equilibrium.rest_under_forces import (  # lazy: most runs do not need it
+            RestUnderForces,
+            is_split,
+        )
+        from ropewalk.system.equilibrium.still import SystemStatics
 
         return (RestUnderForces if is_split(scenario) else SystemStatics)(scenario, run_info, until)
     if engine is WIRES:
@@ -277,7 +280,7 @@ def _linear(scenario: Scenario, run: Linear, run_info: RunInfo) -> Run:
     """The linear theory: of plain lines in closed forms, of all else by superposition of modes."""
     times = output_times(run)
     if engine_of(scenario) is SUPERPOSED:
-        from ropewalk.system.superposed import Superposed  # lazy: most runs do not need it
+        from ropewalk.system.small_motion.superposed import Superposed  # lazy: most runs do not need it
 
         superposed = Superposed(scenario, run, times, run_info)
         return Statics(superposed.layout, superposed.frames(), times.size)
@@ -349,7 +352,7 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
     parts = scenario.parts
     own = parts.has_inextensible, parts.has_segments, parts.has_cut, parts.has_winch
     if on_system or scenario.is_network or any(own):
-        from ropewalk.system import spectrum as system  # lazy: a run does not need the eigenvalue solvers
+        from ropewalk.system.small_motion import spectrum as system  # lazy: a run does not need the eigenvalue solvers
 
         if at is not None:
             return system.spectrum_at(scenario, at, how_many)

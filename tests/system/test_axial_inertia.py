@@ -18,11 +18,11 @@ from ropewalk.capabilities import SYSTEM, engine_of
 from ropewalk.model import Scenario
 from ropewalk.results.frame import RunInfo
 from ropewalk.simulate import simulate
-from ropewalk.system.inertia import tangents
-from ropewalk.system.loaded_structure import LoadedStructure
-from ropewalk.system.moving import SystemMotion
-from ropewalk.system.stability import WITHOUT_LOADS
-from ropewalk.system.statics import SystemPotential
+from ropewalk.system.dynamics.moving import SystemMotion
+from ropewalk.system.dynamics.stability import WITHOUT_LOADS
+from ropewalk.system.elements.inertia import tangents
+from ropewalk.system.equilibrium.statics import SystemPotential
+from ropewalk.system.loads.loaded_structure import LoadedStructure
 from system_cases import frames_of, imbalance
 
 F = 9.0

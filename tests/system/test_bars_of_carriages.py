@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from ropewalk.mechanics.compiled import filled_records
-from ropewalk.system import carriages as kernels
-from ropewalk.system.carriages import BAR, Carriages
+from ropewalk.system.loads import carriages as kernels
+from ropewalk.system.loads.carriages import BAR, Carriages
 
 WHEELS = ("mean", "_share", "_apart")  # what the two kernels call
 

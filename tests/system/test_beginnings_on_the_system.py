@@ -17,7 +17,7 @@ from motion_cases import order
 from ropewalk.capabilities import SYSTEM, engine_of
 from ropewalk.model import Scenario
 from ropewalk.simulate import simulate
-from ropewalk.system.spectrum import spectrum
+from ropewalk.system.small_motion.spectrum import spectrum
 from system_cases import HELD_TAUT, deck_on_a_hanger
 
 L, T, RHO = 20.0, HELD_TAUT["tension"], HELD_TAUT["mass"]

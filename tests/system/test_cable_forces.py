@@ -10,10 +10,10 @@ import pytest
 
 from motion_cases import order
 from ropewalk.model import Scenario
-from ropewalk.system.loaded_structure import LoadedStructure
-from ropewalk.system.rest import settle
-from ropewalk.system.statics import SystemPotential
-from ropewalk.system.structures import structure_of
+from ropewalk.system.equilibrium.rest import settle
+from ropewalk.system.equilibrium.statics import SystemPotential
+from ropewalk.system.equilibrium.structures import structure_of
+from ropewalk.system.loads.loaded_structure import LoadedStructure
 
 CLAMPED = {"kind": "fixed", "clamped": True}
 

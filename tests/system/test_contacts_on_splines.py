@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ropewalk.system.compliance import CELL, CORRECTION, KINETIC, PARTS, SHARES, SHORT, compliance, compliances
-from ropewalk.system.spline import SHARPENED, WIDTH, share
+from ropewalk.system.elements.compliance import CELL, CORRECTION, KINETIC, PARTS, SHARES, SHORT, compliance, compliances
+from ropewalk.system.elements.spline import SHARPENED, WIDTH, share
 
 
 def at(x: float, n: int) -> tuple[np.ndarray, np.ndarray]:

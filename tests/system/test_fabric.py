@@ -10,12 +10,12 @@ from scipy.spatial.transform import Rotation
 
 from net_cases import membrane, net, scenario
 from ropewalk.mechanics.chain import Array
-from ropewalk.system.cells import SHEET, Cells
-from ropewalk.system.loaded_structure import LoadedStructure
-from ropewalk.system.membrane_elements import tensions_of
-from ropewalk.system.statics import SystemPotential
-from ropewalk.system.structure import Structure
-from ropewalk.system.structures import structure_of
+from ropewalk.system.elements.cells import SHEET, Cells
+from ropewalk.system.elements.membrane_elements import tensions_of
+from ropewalk.system.elements.structure import Structure
+from ropewalk.system.equilibrium.statics import SystemPotential
+from ropewalk.system.equilibrium.structures import structure_of
+from ropewalk.system.loads.loaded_structure import LoadedStructure
 
 NU, ET, EA = 0.3, 1e5, 1e4
 SIZE = 0.75  # m, of the cells

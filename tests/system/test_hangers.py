@@ -13,7 +13,7 @@ from ropewalk.errors import ScenarioError
 from ropewalk.model.scenario import Scenario
 from ropewalk.scenario import load, loads
 from ropewalk.simulate import simulate, spectrum_of
-from ropewalk.system.form_finding import formed
+from ropewalk.system.equilibrium.form_finding import formed
 
 BRIDGE = Path(__file__).parents[2] / "examples" / "suspension-bridge.yaml"
 SPAN, GRAVITY = 40.0, 9.81

@@ -13,7 +13,7 @@ from ropewalk.mechanics.hanging_rope import hang_by_tension_entry
 from ropewalk.model import Scenario
 from ropewalk.results.statistics import summary
 from ropewalk.simulate import simulate
-from ropewalk.system.hauling_ropes import tension_entry
+from ropewalk.system.loads.hauling_ropes import tension_entry
 from ropewalk.theory.rope import catenary, elastic_catenary
 from ropeway_routes import held_by_catenaries
 

@@ -16,9 +16,9 @@ from ropewalk.capabilities import ROPES, SYSTEM, engine_of
 from ropewalk.model import Scenario
 from ropewalk.results.frame import ENERGY_FORMS, RunInfo
 from ropewalk.results.running import TimeHistory
-from ropewalk.system.moving import SystemMotion
-from ropewalk.system.spectrum import equations_of
-from ropewalk.system.still import SystemStatics
+from ropewalk.system.dynamics.moving import SystemMotion
+from ropewalk.system.equilibrium.still import SystemStatics
+from ropewalk.system.small_motion.spectrum import equations_of
 from system_cases import frames_of, line, scenario
 
 DAMPED: dict[str, Any] = {"axial_stiffness": 10.0, "elements": 8, "axial_damping": 0.05}

@@ -19,7 +19,7 @@ from ropewalk.results.frame import RunInfo
 from ropewalk.results.running import TimeHistory
 from ropewalk.scenario import loads as read
 from ropewalk.simulate import simulate, spectrum_of
-from ropewalk.system.moving import SystemMotion
+from ropewalk.system.dynamics.moving import SystemMotion
 from ropewalk.theory import cable
 
 RIGID: dict[str, Any] = {"law": {"kind": "inextensible"}}

@@ -13,10 +13,10 @@ import scipy.sparse.linalg as sla
 
 from ropewalk.model import Scenario
 from ropewalk.results.frame import RunInfo
-from ropewalk.system.moving import SystemMotion
-from ropewalk.system.spectrum import equations_of
-from ropewalk.system.stability import WITHOUT_LOADS
-from ropewalk.system.still import SystemStatics
+from ropewalk.system.dynamics.moving import SystemMotion
+from ropewalk.system.dynamics.stability import WITHOUT_LOADS
+from ropewalk.system.equilibrium.still import SystemStatics
+from ropewalk.system.small_motion.spectrum import equations_of
 from system_cases import HELD_TAUT, deck_on_a_hanger
 
 CALM = {"wind": {"direction": [1, 0], "speed": 0.0}}

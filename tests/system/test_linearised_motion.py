@@ -20,11 +20,11 @@ from ropewalk.errors import EquilibriumError, ScenarioError
 from ropewalk.model import Scenario
 from ropewalk.results.frame import RunInfo
 from ropewalk.simulate import simulate, spectrum_of
-from ropewalk.system.loaded_structure import LoadedStructure
-from ropewalk.system.moving import SystemMotion
-from ropewalk.system.rest import about_rest, at_rest
-from ropewalk.system.statics import SystemPotential
-from ropewalk.system.structures import structure_of
+from ropewalk.system.dynamics.moving import SystemMotion
+from ropewalk.system.equilibrium.rest import about_rest, at_rest
+from ropewalk.system.equilibrium.statics import SystemPotential
+from ropewalk.system.equilibrium.structures import structure_of
+from ropewalk.system.loads.loaded_structure import LoadedStructure
 from ropewalk.theory import beam_crossing
 from ropewalk.theory.image_sum import travelling_force
 from system_cases import ROPE, TRIPOD, frames_of, imbalance, scenario, with_steps_of

@@ -15,10 +15,10 @@ from scipy.linalg import eigh
 from ropewalk.model import Scenario
 from ropewalk.results.frame import Frame, RunInfo
 from ropewalk.simulate import simulate
-from ropewalk.system.loaded_structure import LoadedStructure
-from ropewalk.system.moving import SystemMotion
-from ropewalk.system.sheaves_at_rest import damping_of
-from ropewalk.system.statics import SystemPotential
+from ropewalk.system.dynamics.moving import SystemMotion
+from ropewalk.system.elements.sheaves_at_rest import damping_of
+from ropewalk.system.equilibrium.statics import SystemPotential
+from ropewalk.system.loads.loaded_structure import LoadedStructure
 
 G = 9.81
 

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from ropewalk.model import Scenario
 from ropewalk.simulate import simulate, spectrum_of
-from ropewalk.system.surface import polygon, rectangle
-from ropewalk.system.surface_paths import patch
+from ropewalk.system.assembling.surface import polygon, rectangle
+from ropewalk.system.assembling.surface_paths import patch
 
 Tree = dict[str, Any]
 NET: Tree = {

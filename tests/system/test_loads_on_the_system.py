@@ -14,8 +14,8 @@ import pytest
 from motion_cases import long_string, order, taut_string
 from ropewalk.model import Scenario
 from ropewalk.results.frame import RunInfo
-from ropewalk.system.motion import LOOK
-from ropewalk.system.moving import SystemMotion
+from ropewalk.system.dynamics.motion import LOOK
+from ropewalk.system.dynamics.moving import SystemMotion
 from ropewalk.theory import beam, selfsimilar, string
 from ropewalk.theory.moving_oscillator import moving_oscillator
 from system_cases import frames_of, imbalance, line, scenario

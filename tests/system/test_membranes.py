@@ -8,7 +8,7 @@ import pytest
 from net_cases import load, membrane, moved, net, order, rested, scenario, standing
 from ropewalk.mechanics.chain import Array
 from ropewalk.solve import minimum
-from ropewalk.system.membrane_elements import tensions_of
+from ropewalk.system.elements.membrane_elements import tensions_of
 from ropewalk.theory import membrane as theory
 from web_cases import frequencies
 

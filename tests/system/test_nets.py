@@ -16,8 +16,8 @@ from net_cases import load, membrane, moved, net, order, rested, scenario, small
 from ropewalk.results import frames, recorder
 from ropewalk.results.frame import RunInfo
 from ropewalk.simulate import simulate
-from ropewalk.system.moving import SystemMotion
-from ropewalk.system.still import SystemStatics
+from ropewalk.system.dynamics.moving import SystemMotion
+from ropewalk.system.equilibrium.still import SystemStatics
 from ropewalk.theory import membrane as theory
 from web_cases import frequencies
 

@@ -18,8 +18,8 @@ from ropewalk.model import Linear, Scenario
 from ropewalk.results.frame import Frame, RunInfo
 from ropewalk.scenario import loads
 from ropewalk.simulate import output_times
-from ropewalk.system.membranes import sheet_of
-from ropewalk.system.superposed import Superposed
+from ropewalk.system.assembling.membranes import sheet_of
+from ropewalk.system.small_motion.superposed import Superposed
 from ropewalk.theory import membrane as theory
 from system_cases import frames_of, imbalance, with_steps_of
 

@@ -18,10 +18,10 @@ from ropewalk.model import Dynamic, Line, MovingMass, Scenario, Travel
 from ropewalk.model.wind import Wind
 from ropewalk.simulate import simulate
 from ropewalk.solve import minimum
-from ropewalk.system.loaded_structure import LoadedStructure
-from ropewalk.system.rest import at_rest
-from ropewalk.system.statics import SystemPotential
-from ropewalk.system.structures import structure_of
+from ropewalk.system.equilibrium.rest import at_rest
+from ropewalk.system.equilibrium.statics import SystemPotential
+from ropewalk.system.equilibrium.structures import structure_of
+from ropewalk.system.loads.loaded_structure import LoadedStructure
 from ropewalk.theory import selfsimilar, string
 from web_cases import frequencies
 

@@ -17,8 +17,8 @@ from ropewalk.capabilities import SYSTEM, WIRES, Engine, engine_of
 from ropewalk.model import Scenario
 from ropewalk.overhead.section import section_of
 from ropewalk.simulate import simulate, spectrum_of
-from ropewalk.system.rest import at_rest
-from ropewalk.system.structures import structure_of
+from ropewalk.system.equilibrium.rest import at_rest
+from ropewalk.system.equilibrium.structures import structure_of
 from ropewalk.wires.task import ready
 from ropewalk.wiring import task_of
 

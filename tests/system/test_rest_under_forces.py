@@ -14,7 +14,7 @@ from motion_cases import order
 from ropewalk.model import Scenario
 from ropewalk.results.frame import RunInfo
 from ropewalk.simulate import simulate
-from ropewalk.system.rest_under_forces import RestUnderForces
+from ropewalk.system.equilibrium.rest_under_forces import RestUnderForces
 from ropewalk.theory import rope
 
 

@@ -20,12 +20,12 @@ from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.loading import loading_of
 from ropewalk.model import Scenario
 from ropewalk.simulate import simulate
-from ropewalk.system.assembly import contacts_of
-from ropewalk.system.loaded_structure import Carried, LoadedStructure
-from ropewalk.system.rest import at_rest
-from ropewalk.system.rest_under_forces import is_split
-from ropewalk.system.statics import SystemPotential
-from ropewalk.system.structures import structure_of
+from ropewalk.system.assembling.assembly import contacts_of
+from ropewalk.system.equilibrium.rest import at_rest
+from ropewalk.system.equilibrium.rest_under_forces import is_split
+from ropewalk.system.equilibrium.statics import SystemPotential
+from ropewalk.system.equilibrium.structures import structure_of
+from ropewalk.system.loads.loaded_structure import Carried, LoadedStructure
 from ropewalk.theory import rope as ropes
 
 CALM = {"direction": [1, 0], "speed": 0.0}

@@ -17,8 +17,8 @@ import scipy.linalg as linalg
 from ropewalk.capabilities import ROPES, SYSTEM, engine_of
 from ropewalk.model import Scenario
 from ropewalk.results.frame import ENERGY_FORMS, RunInfo
-from ropewalk.system.spectrum import equations_of
-from ropewalk.system.still import SystemStatics
+from ropewalk.system.equilibrium.still import SystemStatics
+from ropewalk.system.small_motion.spectrum import equations_of
 from system_cases import frames_of, imbalance, line, scenario
 
 SOFT = {"axial_stiffness": 10.0, "elements": 8}

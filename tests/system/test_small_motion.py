@@ -14,7 +14,7 @@ from ropewalk.errors import RopewalkError
 from ropewalk.model import Linear, Scenario
 from ropewalk.results.frame import Frame, RunInfo
 from ropewalk.simulate import output_times, spectrum_of
-from ropewalk.system.superposed import Superposed
+from ropewalk.system.small_motion.superposed import Superposed
 from system_cases import frames_of, with_steps_of
 
 SLACK = {"start": [0, 0], "end": [20, 1], "length": 20.4, "mass": 1.0, "law": {"kind": "inextensible"}, "elements": 24}

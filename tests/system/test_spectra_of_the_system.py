@@ -14,10 +14,10 @@ from loaded_spectra import of_beam, rigid, roots, sprung
 from motion_cases import order
 from ropewalk.model import Scenario
 from ropewalk.simulate import spectrum_of
-from ropewalk.system.air import damping_by_wind
-from ropewalk.system.rest import _add_wind_forces, at_rest
-from ropewalk.system.structure import Buffers
-from ropewalk.system.structures import structure_of
+from ropewalk.system.elements.air import damping_by_wind
+from ropewalk.system.elements.structure import Buffers
+from ropewalk.system.equilibrium.rest import _add_wind_forces, at_rest
+from ropewalk.system.equilibrium.structures import structure_of
 
 BEAM = {
     "start": [0, 0], "end": [1, 0], "length": 1.0, "mass": 1.0, "axial_stiffness": 1e6, "bending_stiffness": 1.0,

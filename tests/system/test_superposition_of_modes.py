@@ -23,8 +23,8 @@ from ropewalk.results.frame import Frame, RunInfo
 from ropewalk.simulate import output_times, simulate
 from ropewalk.solve.modal import ModalBasis, ModalStep
 from ropewalk.solve.radau_iia import C as STAGES
-from ropewalk.system.membranes import sheet_of
-from ropewalk.system.superposed import Superposed
+from ropewalk.system.assembling.membranes import sheet_of
+from ropewalk.system.small_motion.superposed import Superposed
 from ropewalk.theory import beam_crossing
 from ropewalk.theory import membrane as theory
 from system_cases import ROPE, TRIPOD, frames_of, with_steps_of

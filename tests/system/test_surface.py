@@ -8,7 +8,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from ropewalk.mechanics.chain import Array
-from ropewalk.system.surface import Surface, locate, polygon, rectangle
+from ropewalk.system.assembling.surface import Surface, locate, polygon, rectangle
 
 
 def shoelace(points: Array) -> float:

@@ -16,12 +16,12 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 from ropewalk.model import Scenario
-from ropewalk.system.loaded_structure import LoadedStructure
-from ropewalk.system.rest import settle
-from ropewalk.system.statics import SystemPotential
-from ropewalk.system.structure import Structure
-from ropewalk.system.structures import structure_of
-from ropewalk.system.ties import Point, Tie, ties_of
+from ropewalk.system.elements.structure import Structure
+from ropewalk.system.elements.ties import Point, Tie, ties_of
+from ropewalk.system.equilibrium.rest import settle
+from ropewalk.system.equilibrium.statics import SystemPotential
+from ropewalk.system.equilibrium.structures import structure_of
+from ropewalk.system.loads.loaded_structure import LoadedStructure
 
 Array = NDArray[np.float64]
 T, RHO, L, EA = 1e4, 1.0, 20.0, 1e8

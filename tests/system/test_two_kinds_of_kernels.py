@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from ropewalk.model import Scenario
-from ropewalk.system.structure import Buffers, Structure
-from ropewalk.system.structures import structure_of
-from ropewalk.system.ties import Point, Tie, ties_of
+from ropewalk.system.elements.structure import Buffers, Structure
+from ropewalk.system.elements.ties import Point, Tie, ties_of
+from ropewalk.system.equilibrium.structures import structure_of
 
 ROPE = {"start": (0, 0), "end": (20, 0), "length": 20.0, "mass": 2.0, "axial_stiffness": 1e6, "elements": 8}
 BEAM = {**ROPE, "bending_stiffness": 1e4, "end_support": {"kind": "guided", "along": [1, 0]}}

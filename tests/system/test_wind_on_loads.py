@@ -16,8 +16,8 @@ from pydantic import ValidationError
 from ropewalk.model import Scenario
 from ropewalk.results.statistics import summary
 from ropewalk.simulate import simulate
-from ropewalk.system import bodies as kernels
-from ropewalk.system.structure import IN_BODIES, LOADED, WORKS
+from ropewalk.system.elements.structure import IN_BODIES, LOADED, WORKS
+from ropewalk.system.loads import bodies as kernels
 
 M, K, W = 80.0, 4.0, 10.0  # kg, kg/m, m/s
 ROPE = {"start": [0, 0], "end": [60, 0], "tension": 20e3, "mass": 0.5, "axial_stiffness": 1e7, "elements": 12}

@@ -10,8 +10,8 @@ import numpy as np
 from ropewalk.mechanics.chain import Array
 from ropewalk.model.load import AnyLoad
 from ropewalk.model.scenario import Scenario
-from ropewalk.system.membranes import MembraneMesh, sheet_of
-from ropewalk.system.surface_paths import patch
+from ropewalk.system.assembling.membranes import MembraneMesh, sheet_of
+from ropewalk.system.assembling.surface_paths import patch
 
 _APART = 0.25  # of a cell, between two points of a path that are looked at
 

@@ -22,8 +22,8 @@ from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.stepper import Stepper
 from ropewalk.results.frame import RunInfo
-from ropewalk.system.carrier import SystemLine
-from ropewalk.system.moving import SystemMotion
+from ropewalk.system.dynamics.carrier import SystemLine
+from ropewalk.system.dynamics.moving import SystemMotion
 
 _WHAT = "joined lines, lines over sheaves, saddles and in wind, inextensible lines and nets"
 _NEVER = 1e9  # s, after which contacts from outside would be asked for the first time

@@ -47,7 +47,7 @@ def digest() -> str:
     """Of all that compiled kernels come of: their sources, and the versions of what compiles them."""
     found = hashlib.sha256(f"{numba.__version__} {np.__version__} {sys.version}".encode())
     for name in HOLD_KERNELS:
-        for path in sorted((PACKAGE / name).glob("*.py")):
+        for path in sorted((PACKAGE / name).rglob("*.py")):
             found.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     return found.hexdigest()[:16]
 

@@ -165,7 +165,7 @@ _BLAMED = re.compile(r"; likely cause: .*\(([a-z_]+(?:\.[^()]+)?)\); ")
 
 
 SPLINE = "fourth order"
-"""What bending is of where that is right of a spline through the nodes, see `system/cables.py`."""
+"""What bending is of where that is right of a spline through the nodes, see `system/elements/cables.py`."""
 
 
 @dataclass

@@ -323,7 +323,7 @@ def _b_spline(u: Array) -> Array:
 def _lacking(u: Array) -> Array:
     """What the moment of a force lacks, in F h / 6, at a node u links before it, by how nodes share it: w |j| for |u|.
 
-    With quintic B-splines, sharpened by a quarter of their second differences (`system/spline.py`).
+    With quintic B-splines, sharpened by a quarter of their second differences (`system/elements/spline.py`).
     """
     at = np.floor(u) + np.arange(-2.0, 4.0)[:, None]
     shared = (_quintic(at - u) * np.abs(at)).sum(axis=0) - 0.5 * _quintic(u)

@@ -9,7 +9,7 @@ smooth way.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ropewalk.model._base import Finding
 from ropewalk.model.footsteps import Footsteps
@@ -22,12 +22,6 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.walker import Walker
 
-if TYPE_CHECKING:
-    from ropewalk.mechanics.chain import Array
-    from ropewalk.system.assembled import Assembled
-
-# Times that damping makes a step shorter, and steps of a run, from which on it is told.
-MUCH_SHORTER, MANY = 3.0, 100_000
 _MOTION = "motions of lines, networks and nets together with what they carry"
 
 
@@ -134,25 +128,4 @@ def shaken(scenario: Scenario) -> list[str]:
         for name, load in scenario.loads.items()
         if isinstance(travel := getattr(load, "travel", None), FreeTravel) and travel.friction > 0.0
         if (line := scenario.lines.get(load.on)) is not None and not line.axial_damping
-    ]
-
-
-def cut_by_damping(assembled: Assembled, r: Array, steps: float) -> list[str]:
-    """The line whose axial damping makes a long run much longer than it would be without.
-
-    Args:
-        assembled: what moves.
-        r: (axis, node) m.
-        steps: of the run.
-    """
-    if steps < MANY:
-        return []
-    from ropewalk.system.stability import shortened  # lazy: who only asks what works needs no kernels
-
-    times, run = shortened(assembled.structure, r)
-    if times <= MUCH_SHORTER or run >= len(assembled.line):
-        return []
-    return [
-        f"lines.{assembled.line[run]}.axial_damping makes the step {times:.2g} times shorter than it is without: lower "
-        "it, or write fewer elements"
     ]

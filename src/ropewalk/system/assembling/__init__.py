@@ -1,0 +1,1 @@
+"""From a scenario to a structure and to what it carries."""

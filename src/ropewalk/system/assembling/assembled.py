@@ -1,0 +1,45 @@
+"""A structure put together, with the names that results give to its parts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import scipy.sparse as sparse
+
+from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.system.assembling.surface_paths import Nets
+from ropewalk.system.elements.structure import Structure
+
+
+class Attached(NamedTuple):
+    """What results tell of the ties of a structure, and which points of lines they watch."""
+
+    tie: tuple[str, ...]  # names of those that are shown, which come first
+    station: tuple[float, ...]  # m along the line that each of them hangs on
+    support: tuple[str, ...]  # names of what ties to the ground hold
+    holds: Integers  # (tie,) which of these each is; -1: it is none
+    watched: tuple[str, ...]
+    watched_station: tuple[float, ...]  # m
+    watch: sparse.csr_matrix  # (watched, node) parts of nodes
+
+    @property
+    def sampled(self) -> bool:
+        """Whether results tell of any by itself."""
+        return bool(self.tie or self.watched)
+
+
+@dataclass(frozen=True, eq=False)
+class Assembled:
+    """A structure, and what results name of it."""
+
+    structure: Structure
+    axes: tuple[str, ...]
+    near: Array  # (axis, node) m, about where its nodes rest
+    station: Array  # (node,) m along the line of each
+    line: tuple[str, ...]  # (run,) but for those of ways on nets, which come last
+    on: dict[str, int]  # line on which each load travels
+    supports: tuple[tuple[str, int], ...]  # names of supports, and which restraints they are
+    nets: Nets | None = None
+    attached: Attached | None = None
+    stretch: Array | None = None  # (run,) stretch of links whose strain counts from the state that they rest in

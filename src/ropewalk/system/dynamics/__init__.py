@@ -1,0 +1,1 @@
+"""Motion: one loop of kicks and drifts, implicit methods on the same state, and what goes on around them."""

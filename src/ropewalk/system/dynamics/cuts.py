@@ -1,0 +1,172 @@
+"""Lines that are cut on the way: two nodes that were kept together part, each with its half of the mass.
+
+At a time, or after the first step in which a link beside them pulls more than they bear: such lines are looked at after
+each step.
+Both have one place and one velocity when they part, and what kept them together did no work: energy goes on.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ropewalk.checkpoint import Tree
+from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.model.scenario import Scenario
+from ropewalk.results.frame import RunInfo
+from ropewalk.system.assembling.assembled import Assembled
+from ropewalk.system.dynamics import motion
+from ropewalk.system.dynamics.asking import Asking
+from ropewalk.system.elements.structure import Structure
+
+
+@dataclass(frozen=True)
+class _Cut:
+    """A cut: when, s; the restraint of both nodes, behind which an empty one stands."""
+
+    line: str
+    number: int
+    at: float  # m
+    time: float  # inf: at none
+    strength: float  # N; inf: nothing breaks it
+    links: Integers  # those beside it, by their first node
+    restraint: int
+
+
+class Cuts:
+    """All cuts of lines.
+
+    Args:
+        scenario: what is there.
+        assembled: the same as arrays, of which restraints change.
+        contacts: of loads.
+        places: (contact,) m, along their lines; changes.
+        run_info: told of what breaks.
+    """
+
+    def __init__(
+        self, scenario: Scenario, assembled: Assembled, contacts: Any, places: Array, run_info: RunInfo
+    ) -> None:  # fmt: skip
+        structure, self._run_info = assembled.structure, run_info
+        self._structure, self._contacts, self._places = structure, contacts, places
+        names = [name for name, line in scenario.lines.items() if line.cut is not None]
+        self._cuts = [_found(scenario, assembled, name) for name in names]
+        self._done = np.zeros(len(self._cuts), dtype=np.bool_)
+        self._behind = np.zeros((len(self._cuts), contacts.size), dtype=np.int64)
+
+    def next(self) -> float:
+        """The next instant in s at which a line is cut; infinity: there is none."""
+        ahead = [cut.time for cut, done in zip(self._cuts, self._done, strict=True) if not done]
+        return min(ahead, default=float("inf"))
+
+    def to(self, asking: Asking, end: float) -> int:
+        """Go on to a time in s, and cut on the way what is to be cut; returns as `Asking.to`."""
+        while (time := self.next()) <= end:
+            if time > asking.carrier.t and (status := self._go(asking, time)) != motion.RUNNING:
+                return status
+            self.cut_until(time)
+        return self._go(asking, end) if end > asking.carrier.t else motion.RUNNING
+
+    def _go(self, asking: Asking, end: float) -> int:
+        """Go on to a time in s, step by step as long as a line may break."""
+        carrier = asking.carrier
+        begin, count = carrier.t, max(1, math.ceil((end - carrier.t) / carrier.longest - 1e-9))
+        for i in range(1, count):
+            if not self._watched():
+                break
+            if (status := asking.to(begin + i * (end - begin) / count)) != motion.RUNNING:
+                return status
+            self._break(carrier.system.buffers.tension, carrier.t)
+        status = asking.to(end) if end > carrier.t else motion.RUNNING
+        if status == motion.RUNNING and self._watched():
+            self._break(carrier.system.buffers.tension, carrier.t)
+        return status
+
+    def _watched(self) -> list[int]:
+        """Cuts that may still come by too much tension."""
+        return [i for i, cut in enumerate(self._cuts) if not self._done[i] and math.isfinite(cut.strength)]
+
+    def _break(self, tension: Array, t: float) -> None:
+        for i in self._watched():
+            cut = self._cuts[i]
+            if (pull := float(tension[cut.links].max())) > cut.strength:
+                self._part(i)
+                self._run_info.warnings.append(
+                    f"line {cut.line} broke at t = {t:.4g} s, {cut.at:g} m from its start, pulling with {pull:.4g} N"
+                )
+
+    def _part(self, i: int) -> None:
+        self._done[i], self._behind[i] = True, self._sides(self._cuts[i])
+        _part(self._structure, self._cuts[i].restraint, parted=True)
+
+    def cut_until(self, t: float) -> None:
+        """Cut what is to be cut up to t in s."""
+        for i, cut in enumerate(self._cuts):
+            if not self._done[i] and cut.time <= t * (1.0 + 1e-12):
+                self._part(i)
+
+    def crossed(self) -> str | None:
+        """A load that has come to the cut of its line."""
+        for i, cut in enumerate(self._cuts):
+            if self._done[i] and np.any((self._sides(cut) != self._behind[i]) & (self._contacts["state"] == 1)):
+                return f"a load has come to where line {cut.line} is cut; let it stay on its side, or end before"
+        return None
+
+    def _sides(self, cut: _Cut) -> Any:
+        own = self._contacts["line"] == cut.number
+        return np.where(own, np.where(self._places < cut.at, -1, 1), 0)
+
+    def get_state(self) -> Tree:
+        """What has been cut."""
+        return {"done": self._done.copy(), "behind": self._behind.copy()}
+
+    def set_state(self, tree: Tree) -> None:
+        """Lines as they were then."""
+        self._done[:], self._behind[:] = tree["done"], tree["behind"]
+        for cut, done in zip(self._cuts, self._done, strict=True):
+            _part(self._structure, cut.restraint, parted=bool(done))
+
+
+def runs_ahead_of_cuts(scenario: Scenario, line: Sequence[str], begin: Array) -> list[int]:
+    """Runs behind whose last node a line is cut.
+
+    Args:
+        scenario: what is there.
+        line: (run,) names.
+        begin: (run,) m, where each begins on its line.
+    """
+    found = []
+    for s in range(len(line) - 1):
+        cut = scenario.lines[line[s]].cut if line[s] in scenario.lines else None
+        if cut is not None and line[s + 1] == line[s] and abs(begin[s + 1] - cut.at) <= 1e-6 * cut.at:
+            found.append(s)
+    return found
+
+
+def _found(scenario: Scenario, assembled: Assembled, name: str) -> _Cut:
+    structure, cut = assembled.structure, scenario.lines[name].cut
+    assert cut is not None
+    begin = structure.lines.begin
+    (s,) = [s for s in runs_ahead_of_cuts(scenario, assembled.line, begin) if assembled.line[s] == name]
+    node, restrained = int(structure.runs.first[s + 1]), structure.restraints
+    (e,) = [e for e in range(restrained.mass.size) if node in restrained.members(e)]
+    numbers = list(dict.fromkeys(assembled.line))
+    time, strength = (math.inf if own is None else own for own in (cut.time, cut.strength))
+    links = np.array([int(structure.runs.first[s] + structure.runs.links[s]) - 1, node])
+    return _Cut(name, numbers.index(name), cut.at, time, strength, links, e)
+
+
+def _part(structure: Structure, e: int, *, parted: bool) -> None:
+    """Let the two nodes of a restraint go their ways, the second one in the restraint behind, or keep them together."""
+    restrained, nodes, spare = structure.restraints, structure.nodes, e + 1
+    one, other = restrained.node[restrained.first[e]], restrained.node[restrained.first[e] + 1]
+    restrained.nodes[e] = 1 if parted else 2
+    restrained.nodes[spare] = 1 if parted else 0
+    restrained.first[spare] = restrained.first[e] + (1 if parted else 2)
+    restrained.free[spare] = np.eye(nodes.force.shape[0]) if parted else 0.0
+    mass = nodes.mass[[one, other]]
+    nodes.mobile[[one, other]] = 1.0 / mass if parted else 1.0 / mass.sum()

@@ -1,0 +1,1 @@
+"""Rest under loads, and slow motion from rest to rest."""

@@ -1,0 +1,178 @@
+"""Lines at rest and in slow motion under forces and masses, which stand at nodes: see `split_lines.py`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ropewalk.errors import EquilibriumError
+from ropewalk.mechanics.chain import Array
+from ropewalk.mechanics.loading import loading_of
+from ropewalk.model.axles import Axles
+from ropewalk.model.load import AnyLoad, MovingForce
+from ropewalk.model.mass import MovingMass
+from ropewalk.model.scenario import Scenario
+from ropewalk.results.frame import ENERGY_FORMS, MOVES, Contacts, Frame, Layout, RunInfo
+from ropewalk.system.assembling.assembly import contacts_of, refuse_beyond
+from ropewalk.system.assembling.laid import Over
+from ropewalk.system.elements.structure import WORKS, SystemState
+from ropewalk.system.equilibrium.fixed_stations import FixedStations
+from ropewalk.system.equilibrium.slow_motion import SlowMotion, travelled
+from ropewalk.system.equilibrium.split_lines import AT_SHEAVE, LineForce, LineShape, SplitLines, SplitRest
+from ropewalk.system.equilibrium.structures import structure_of
+from ropewalk.system.loads.loaded_structure import Carried
+from ropewalk.system.reporting.frames import FrameBuilder, SystemNote
+
+_PATH = "load_path"
+
+
+def is_split(scenario: Scenario) -> bool:
+    """Whether lines are divided at rest: all loads are forces on lines that do not bend, or one has sheaves."""
+    parts = scenario.parts
+    if parts.runs_over_sheaves:
+        return True
+    loads = scenario.loads.values()
+    return bool(loads) and not parts.is_for_the_system and all(_is_a_force(load, scenario) for load in loads)
+
+
+def _is_a_force(load: AnyLoad, scenario: Scenario) -> bool:
+    """Whether a load is no more than a force at a place of a line that does not bend."""
+    line = scenario.lines.get(load.on)
+    if line is None or line.has_bending_stiffness:
+        return False
+    if isinstance(load, Axles):
+        return True
+    if not isinstance(load, MovingForce | MovingMass) or load.contact != "clamped":
+        return False
+    if isinstance(load, MovingForce):
+        return load.friction is None
+    return not (load.lift_off or load.air_drag)
+
+
+class _Loaded(NamedTuple):
+    """A rest, and where loads are."""
+
+    rest: SplitRest
+    at: Array  # (contact,) m along their lines
+    on: NDArray[np.bool_]  # (contact,) whether they are on them
+    force: Array  # (contact, axis) N
+
+
+class RestUnderForces(SlowMotion[_Loaded]):
+    """A run without inertia: its layout, and its frames.
+
+    Args:
+        scenario: what is computed.
+        run_info: filled in.
+        until: how long the histories of the loads are needed, s.
+
+    Raises:
+        RopewalkError: there is no rest without loads, or a load begins beyond its line.
+    """
+
+    def __init__(self, scenario: Scenario, run_info: RunInfo, until: float) -> None:
+        assembled, loading = structure_of(scenario, until), loading_of(scenario, until)
+        structure, bare = assembled.structure, scenario.model_copy(update={"loads": {}})
+        self._scenario, self._run_info, self._loading, self._structure = scenario, run_info, loading, structure
+        self._carried = Carried(*contacts_of(scenario, loading, structure, assembled.on))
+        refuse_beyond(scenario, loading, self._carried.contacts, structure)
+        self._windy = scenario.wind is not None and not scenario.wind.is_calm
+        lengths = dict(zip(scenario.lines, structure.lines.length.tolist(), strict=False))
+        self._lines = SplitLines(scenario, lengths, until, assembled.axes)
+        self._begin = LineShape.of(self._lines.settle(near=self._lines.shape_of(assembled)))
+        self._bare = loading_of(bare, until, axes=assembled.axes)
+        self._no_contacts, _, self._bodies = contacts_of(bare, self._bare, structure, {})
+        builder = FrameBuilder(assembled, loading, self._carried.bodies, self._windy, path=_PATH)
+        self._displayed = FixedStations(builder.layout)
+        self._before: Array | None = None  # whether contacts are ahead of sheaves, as they were at first
+        run_info.method, run_info.reason = "rest", "least potential energy"
+
+    @property
+    def layout(self) -> Layout:
+        """Names and coordinates of the result."""
+        return self._displayed.layout
+
+    def _rest(self, t: float, near: _Loaded | None) -> _Loaded:
+        """Rest with all loads where they are at a time in s, next to another one."""
+        contacts, tables, wheels = self._carried.contacts, self._carried.tables, self._loading.wheels
+        length, stays = self._structure.lines.length[contacts["line"]], contacts["stays"] == 1
+        at = np.array([float(contact["begin"] + travelled(tables, contact, np.asarray(t))) for contact in contacts])
+        at = np.where(stays | (np.abs(at - length) <= 1e-9 * length), np.clip(at, 0.0, length), at)
+        on, axes = (at >= 0.0) & (at <= length), range(self._lines.gravity.size)
+        given = [[_at(tables.force_time, tables.force_value[a], c, "force", t) for a in axes] for c in contacts]
+        force = np.array(given).reshape(-1, len(axes)) + self._weights()
+        forces = [LineForce(wheels[k].on, float(at[k]), force[k]) for k in np.flatnonzero(on).tolist()]
+        self._refuse_passed((self._begin if near is None else near.rest).over, at, on)
+        rest = self._lines.settle(forces, near=self._begin if near is None else near.rest, t=t, rubs=True)
+        self._refuse_passed(rest.over, at, on)
+        return _Loaded(rest, at, on, force)
+
+    def _weights(self) -> Array:
+        """Weights of the masses on lines, (contact, axis) N."""
+        return np.array([wheel.mass for wheel in self._loading.wheels])[:, None] * self._lines.gravity
+
+    def _refuse_passed(self, over: Over, at: Array, on: NDArray[np.bool_]) -> None:
+        """Refuse loads that have come to the other side of a sheave.
+
+        Raises:
+            EquilibriumError: one has.
+        """
+        if not over:
+            return
+        own = np.array([wheel.on for wheel in self._loading.wheels])
+        beyond = np.array([(at > place) | ~on | (own != name) for (name, _), place in over.items()])
+        if self._before is not None and (beyond != self._before)[:, on].any():
+            raise EquilibriumError(AT_SHEAVE)
+        self._before = beyond if self._before is None else self._before
+
+    def _places(self, loaded: _Loaded) -> Array:
+        """Where contacts are, (contact, axis) m; NaN of those off their lines."""
+        out = np.full(loaded.force.shape, np.nan)
+        for k in np.flatnonzero(loaded.on).tolist():
+            out[k] = loaded.rest.r[:, loaded.rest.node_at(self._loading.wheels[k].on, float(loaded.at[k]))]
+        return out
+
+    def _frame(self, loaded: _Loaded, path: float, t: float) -> Frame:
+        rest = loaded.rest
+        rest.potential.loaded.state.t[0] = t
+        elastic, none = rest.potential.stored(rest.shape), np.zeros(0)
+        rest.potential.forces(rest.shape)
+        buffers = rest.potential.buffers
+        buffers.react(rest.structure.restraints)
+        state = SystemState(np.array([t]), rest.r, np.zeros_like(rest.r), none, none, none, np.zeros(WORKS))
+        note = SystemNote.of(state, buffers, self._no_contacts, self._bodies, elastic)
+        builder = FrameBuilder(rest.assembled, self._bare, self._bodies, self._windy, path=_PATH)
+        own = builder.build(SystemNote.together([note]), still=path)[0]
+        position, tension, strain = self._displayed.of(rest, own, builder.layout)
+        seen, energy = self._contacts(loaded, t), own.energy.copy()
+        contacts: Any = seen.fields()
+        energy[ENERGY_FORMS.index("load_potential")] -= np.nansum(self._weights() * seen.position)
+        return replace(
+            own, position=position, velocity=np.zeros_like(position), tension=tension, strain=strain, energy=energy,
+            **contacts,
+        )  # fmt: skip
+
+    def _contacts(self, loaded: _Loaded, t: float) -> Contacts:
+        """What is shown of contacts."""
+        contacts, tables, rest = self._carried.contacts, self._carried.tables, loaded.rest
+        seen, on = Contacts(*loaded.force.shape), loaded.on
+        seen.position[:], seen.force[on], seen.hold[on] = self._places(loaded), loaded.force[on], 0.0
+        seen.xi[on], seen.state[on] = loaded.at[on], MOVES
+        for k in np.flatnonzero(on).tolist():
+            c = contacts[k]
+            seen.speed[k] = _at(tables.speed_time, tables.speed_value, c, "speed", t)
+            (behind, before), (ahead, after) = rest.beside(self._loading.wheels[k].on, float(loaded.at[k]))
+            seen.tension[k] = behind, ahead
+            turn = float(np.arccos(np.clip(before @ after, -1.0, 1.0)))
+            if behind > 0.0 and ahead > 0.0 and turn > 0.0:
+                seen.friction[k] = abs(np.log(ahead / behind)) / turn
+        return seen
+
+
+def _at(time: Array, value: Array, contact: Any, of: str, t: float) -> float:
+    """What a table says of a contact at a time in s."""
+    own = slice(int(contact[f"{of}_first"]), int(contact[f"{of}_first"] + contact[f"{of}_count"]))
+    return float(np.interp(t, time[own], value[own]))

@@ -1,0 +1,62 @@
+"""The structure of a scenario, about as it rests without its loads."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from ropewalk.mechanics.assembly import axes_of
+from ropewalk.mechanics.chain import Array
+from ropewalk.model.scenario import Scenario
+from ropewalk.system.assembling.assembled import Assembled
+from ropewalk.system.assembling.assembly import assembled_of
+from ropewalk.system.assembling.laid import Laid, lay
+from ropewalk.system.assembling.overhead_lines import overhead_lines_of
+from ropewalk.system.equilibrium.constrained import nearly
+from ropewalk.system.equilibrium.lengths import about, with_tensions
+from ropewalk.system.equilibrium.over_saddles import laid_over_saddles
+from ropewalk.system.equilibrium.split_lines import LineShape, SplitLines
+from ropewalk.system.equilibrium.tracks import on_ends, with_tracks
+
+
+def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None = None) -> Assembled:
+    """The structure of a scenario, without its loads.
+
+    Args:
+        scenario: what is there.
+        until: how long histories are needed, s.
+        axes: names of the axes, if not those that the scenario needs.
+
+    Raises:
+        EquilibriumError: its lines have no rest, or not with their tensions.
+    """
+    if scenario.overhead_lines:
+        return overhead_lines_of(scenario, axes)
+    near, named, parts = nearly(on_ends(scenario)), axes or axes_of(scenario), scenario.parts
+
+    def build(lengths: Mapping[str, float], beside: Assembled | None) -> Assembled:
+        laid, places = _laid(near, lengths, until, named)
+        found = with_tracks(scenario, assembled_of(scenario, laid, places, until, named))
+        alike = beside is not None and not (scenario.tracks or parts.runs_over_sheaves or parts.has_saddles)
+        r = beside.near if beside is not None and alike and beside.near.shape == found.near.shape else found.near
+        return replace(found, near=found.structure.restraints.put(r))
+
+    if any(line.length is None for line in scenario.lines.values()):
+        return with_tensions(scenario, build)
+    return build(about(scenario), None)
+
+
+def _laid(scenario: Scenario, lengths: Mapping[str, float], until: float, axes: tuple[str, ...]) -> tuple[Laid, Array]:
+    """A scenario laid out, and about where its nodes rest, (node, 3) m."""
+
+    def rest(over: Scenario) -> LineShape:
+        return LineShape.of(SplitLines(over, lengths, until, axes).settle())
+
+    if scenario.parts.has_saddles:
+        return laid_over_saddles(scenario, lengths, rest)
+    if scenario.parts.runs_over_sheaves:
+        shape = rest(scenario)
+        laid = lay(scenario, lengths, over=shape.over)
+        return laid, shape.on(laid)
+    laid = lay(scenario, lengths)
+    return laid, laid.place

@@ -1,0 +1,1 @@
+"""Loads: bodies at contacts, payloads, carriages and what hauls them, crabs."""

@@ -1,0 +1,1 @@
+"""From states to frames of results, and what must not be trusted of them."""

@@ -1,0 +1,183 @@
+"""What must not be trusted of motions, and why."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from ropewalk.mechanics.chain import Array
+from ropewalk.mechanics.contact_points import ContactPoint
+from ropewalk.model.carriage import Carriage
+from ropewalk.model.scenario import Scenario
+from ropewalk.model.trolley import Trolley
+from ropewalk.results.frame import RunInfo
+from ropewalk.results.frames import Frames
+from ropewalk.results.hauling import Hauling
+from ropewalk.system.assembling.assembled import Assembled
+from ropewalk.system.elements.structure import Buffers
+
+# Part of the largest tension with which an inextensible line may be pushed together.
+_PUSHED = 0.1
+# Part of the weight of a load on several lines, with which each may draw it down: where it is set down, they differ.
+_LITTLE = 1e-2
+# Strain of a hauling rope up to which it is slack: rounding.
+_SLACK = 1e-9
+# Tension over EA of a line at rest that nothing pulls at.
+_NOTHING = 1e-10
+# Length of links over the smallest rocker from which on single wheels on a saddle are not resolved.
+_COARSE = 1.5
+
+
+def coarse_for_wheels(scenario: Scenario) -> Iterator[str]:
+    """Carriages on lines over saddles, in words, whose smallest rockers are shorter than links by a good part.
+
+    A carriage of 8 t over a saddle of 50 m had least wheel loads of 9.1, 15.9 and 14.8 kN on links of 2.5, 1.25 and 0.6
+    times its smallest rocker of 0.8 m.
+    """
+    for name, load in scenario.loads.items():
+        line = scenario.lines.get(load.on)
+        if not isinstance(load, Carriage) or line is None or not line.saddles or line.segments:
+            continue
+        length = line.distance if line.length is None else line.length
+        times = length / line.elements / load.rockers[0]
+        if times > _COARSE:
+            yield (
+                f"links of {load.on} are {times:.2g} times as long as the smallest rocker of {name}: over a saddle "
+                "loads of single wheels are wrong by tens of per cent, and the force of the saddle with them; write "
+                f"lines.{load.on}.elements: {math.ceil(length / load.rockers[0])} or more for these"
+            )
+
+
+def doubt_sticking(run_info: RunInfo, t: float, where: str) -> None:
+    """Doubt once small motion in which lines stick where friction bears less than that asks for, at t in s."""
+    what = f"a line sticks at {where} in small motion, and from t = {t:.4g} s on that asks for more than its friction"
+    if not any(doubt.what.startswith(what.partition(",")[0]) for doubt in run_info.doubts):
+        wrong = "there it would slip, and tensions on both sides differ less"
+        run_info.doubt(what, wrong, "", "ask for kind: dynamic")
+
+
+def doubt_saddles(scenario: Scenario, run_info: RunInfo, frames: Frames, line: Sequence[str]) -> None:
+    """Doubt lines that pass below a saddle from the beginning: there rest was found on the wrong side of it."""
+    for name, own in scenario.lines.items():
+        if not own.saddles:
+            continue
+        place = frames.of["position"][0, np.array([one == name for one in line])]
+        for saddle, body in own.saddles.items():
+            key = f"lines.{name}.saddles.{saddle}"
+            near = np.abs(place[:, 0] - body.at[0]) < body.radius
+            low = near.any() and place[near, -1].max() < body.at[-1] - body.radius
+            if low and all(doubt.key != key for doubt in run_info.doubts):
+                cause = "its rest was sought from a line that is too long"
+                run_info.doubt(
+                    f"line {name} passes below saddle {saddle}", cause, key,
+                    f"give lines.{name} less length, at most that of the straight way over its saddles",
+                )  # fmt: skip
+
+
+def doubt_wheels(scenario: Scenario, run_info: RunInfo, frames: Frames, wheels: Sequence[ContactPoint]) -> None:
+    """Doubt carriages and loads on several lines whose wheels would leave the rope, where nothing lets them."""
+    for k, wheel in enumerate(wheels):
+        load, key, remedy = scenario.loads[wheel.load], f"loads.{wheel.load}.lift_off", "write lift_off: true"
+        most = 0.0
+        if isinstance(load, Trolley) and load.also_on:
+            key, remedy = f"lines.{wheel.on}", "let all of its lines sag alike: change a length or a tension"
+            most = _LITTLE * (load.mass + load.payload.mass) * scenario.gravity
+        elif not isinstance(load, Carriage) or load.lift_off:
+            continue
+        if any(doubt.key == key for doubt in run_info.doubts):
+            continue
+        lifts = frames.of["contact_force"][:, k, -1] > most
+        if lifts.any():
+            t = float(frames.path[int(np.argmax(lifts))])
+            run_info.doubt(
+                f"wheel {wheel.part} of {wheel.load} would leave its rope at t = {t:.4g} s",
+                "it is drawn down there, as if there were a rail above it", key, remedy,
+            )  # fmt: skip
+
+
+def judge_hauling_ropes(
+    scenario: Scenario, run_info: RunInfo, frames: Frames, hauled: Sequence[str], deep: Array
+) -> None:  # fmt: skip
+    """Warn of hauling ropes that are slack, for they only pull, and of those that slip; doubt ropes that sag deeply.
+
+    Args:
+        scenario: what is there.
+        run_info: notes what is found.
+        frames: what is judged.
+        hauled: carriages that ropes haul.
+        deep: (instant, rope) largest weight of a span of each rope over its tension.
+    """
+    own = [name for name, load in scenario.loads.items() if isinstance(load, Carriage) and load.haul is not None]
+    for e, name in enumerate(own):
+        load = scenario.loads[name]
+        assert isinstance(load, Carriage)
+        row, haul = hauled.index(name), load.haul
+        assert haul is not None
+        found, slipped = Hauling.of(frames.of["haul_tension"][:, row]), frames.of["haul_slip"][:, row]
+        slack = found.pull <= _SLACK * haul.axial_stiffness
+        _warn(run_info, frames.path, slack, f"the hauling rope of {name} is slack", f"{name} runs by itself then")
+        if haul.sheave is not None:
+            bears = math.exp(haul.sheave.friction * haul.sheave.wrap)
+            what = f"the hauling rope of {name} slips on the sheave of its drive"
+            so = f"friction bears {bears:.3g} to 1, and the drive no longer leads {name}"
+            _warn(run_info, frames.path, np.abs(slipped) > 0.0, what, so)
+        key, sags = f"loads.{name}.haul.sags", deep[:, e] > 1.0
+        if sags.any() and all(doubt.key != key for doubt in run_info.doubts):
+            i = int(np.argmax(sags))
+            run_info.doubt(
+                f"the hauling rope of {name} weighs {deep[i, e]:.3g} times what it pulls with, between two rollers, at "
+                f"t = {frames.path[i]:.4g} s, and sags by more than an eighth of that way",
+                "its sag is that of a shallow rope", key, "give it more tension by counter, or leave sags out",
+            )  # fmt: skip
+
+
+def _warn(run_info: RunInfo, path: Array, when: Any, what: str, so: str) -> None:
+    """Note when something is so for the first time, once."""
+    text = f"{what} at t = "
+    if when.any() and not any(warning.startswith(text) for warning in run_info.warnings):
+        run_info.warnings.append(f"{text}{path[int(np.argmax(when))]:.4g} s: {so}")
+
+
+def doubt_struts(assembled: Assembled, buffers: Buffers, run_info: RunInfo, t: float) -> None:
+    """Doubt inextensible lines that are pushed together: there they are bars, which fold as the mesh lets them."""
+    structure = assembled.structure
+    if structure.taut is None:
+        return
+    assert buffers.tight is not None
+    pull, rigid = buffers.tension, buffers.tight.h > 0.0
+    for s, name in enumerate(assembled.line):
+        first, n = int(structure.runs.first[s]), int(structure.runs.links[s])
+        own, key = pull[first : first + n], f"lines.{name}.law"
+        if not rigid[first] or float(own.min()) >= -_PUSHED * float(np.abs(pull[rigid]).max()):
+            continue
+        if all(doubt.key != key for doubt in run_info.doubts):
+            run_info.doubt(
+                f"line {name} is pushed together at t = {t:.4g} s, and folds as its elements let it",
+                "it is inextensible, and slack there", key, "give it an axial_stiffness with law: tension_only",
+            )  # fmt: skip
+
+
+def doubt_slack(scenario: Scenario, run_info: RunInfo, on: Sequence[str], tension: Array) -> None:
+    """Doubt shapes of lines without stiffness that nothing pulls at: without weight any other is as good.
+
+    Args:
+        scenario: what is there.
+        run_info: takes the doubts.
+        on: (link,) names of the lines of links.
+        tension: (link,) N, at rest.
+    """
+    if scenario.gravity != 0.0:
+        return
+    for name, line in scenario.lines.items():
+        if line.has_bending_stiffness:
+            continue
+        mine = np.array([own == name for own in on])
+        if np.abs(tension[mine]).max() < _NOTHING * (line.axial_stiffness or 1.0):
+            run_info.doubt(
+                f"line {name} is slack and has no weight: its shape at rest is one of many",
+                "it is longer than the way between what holds it, and gravity is 0", f"lines.{name}.length",
+                "give gravity, or make it shorter",
+            )  # fmt: skip

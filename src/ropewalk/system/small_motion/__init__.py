@@ -1,0 +1,1 @@
+"""Small motion about rest: spectra, and superposition of modes."""

@@ -1,0 +1,135 @@
+"""A structure at rest without loads as small motion about it knows it: matrices, forces and energy, what holds it.
+
+Lines that do not stretch move in the ways that keep their lengths to the first order,
+
+    G y = 0,   M y'' + C y' + K y = f + G^T lambda,
+
+and their tensions change by the lambda that balance what is left. Friction holds what lies on saddles, and lines at
+sheaves that have any: at rest tensions on both sides of these are equal, and it takes a finite motion to overcome it.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sparse
+
+from ropewalk.mechanics.chain import Array
+from ropewalk.system.elements.sheaves import SLIPS, STICKS
+from ropewalk.system.elements.sheaves_at_rest import turned_at
+from ropewalk.system.elements.structure import Sheaves, Structure
+from ropewalk.system.equilibrium.constrained import gradients, links_of, ways
+from ropewalk.system.equilibrium.statics import SystemPotential
+from ropewalk.system.loads.loaded_structure import LoadedStructure
+
+
+def how_at_sheaves(structure: Structure) -> int:
+    """Whether lines stick at the sheaves of a structure in small motion, or slip; they are all of one kind."""
+    sheaves = structure.sheaves
+    return STICKS if sheaves is not None and bool((sheaves.friction > 0.0).any()) else SLIPS
+
+
+class RestState:
+    """A structure at rest without loads: its matrices, forces and energy to the second order.
+
+    Args:
+        structure: with all its geometry.
+        rest: (axis, node) m.
+    """
+
+    def __init__(self, structure: Structure, rest: Array) -> None:
+        how, size = how_at_sheaves(structure), float(np.ptp(rest, axis=1).max())
+        potential = SystemPotential(structure, LoadedStructure(structure, rest), size, how=how)
+        if structure.taut is not None:
+            potential.buffers.tension[:] = structure.taut
+        shape, n = rest.ravel(), rest.shape[1]
+        self._saddles, self._stuck = structure.saddles, structure.saddles.stuck(rest) if structure.saddles else []
+        potential.stick(shape)
+        K, M, C = potential.stiffness(shape), potential.masses(), potential.damping(shape)
+        self.free = potential.free.tocsr()
+        self._links, self._h = links_of(structure)
+        if self._links.size:
+            self._all = potential.rows(rest)[self._links].tocsr()  # change of l^2/2 with all places
+            self._own, self._to = gradients(potential, shape, self._links).toarray(), self.free
+            Z = sparse.csr_matrix(ways(potential, shape))
+            K, M, C = Z.T @ K @ Z, (Z.T @ M @ Z).tocsc(), (Z.T @ C @ Z).tocsc()
+            self.free = (self.free @ Z).tocsr()
+        self.equations = ((0.5 * (K + K.T)).tocsc(), M, C)
+        self.mass = np.tile(structure.nodes.mass, rest.shape[0])  # (place,) kg
+        self._elastic = potential.stored(shape)
+        potential.forces(shape)
+        self._force = potential.buffers.force.ravel().copy()  # N, of lines, cells and weights
+        self._weight = structure.nodes.force.ravel().copy()
+        # The same of every place by itself, without what holds it.
+        restraints = structure.restraints
+        bare = structure._replace(
+            restraints=restraints._replace(
+                stiffness=np.zeros_like(restraints.stiffness), damping=np.zeros_like(restraints.damping)
+            )
+        )
+        whole = SystemPotential(bare, LoadedStructure(bare, rest), potential.size, how=how)
+        if structure.taut is not None:
+            whole.buffers.tension[:] = structure.taut
+        whole.free = sparse.identity(shape.size, format="csc")
+        self._K, self._C = whole.stiffness(shape), whole.damping(shape)
+        self._axes, self._how = rest.shape[0], how
+        if structure.sheaves is not None:  # larger over smaller tension, from which on lines slip
+            self._ratio = np.exp(structure.sheaves.friction * turned_at(structure.sheaves, structure.runs, rest))
+        self._pressed = {} if self._saddles is None else self._saddles.pressing(rest)  # N, of nodes on saddles
+        self._laid: Any = None
+        if structure.surfaces is not None:
+            self._laid = sparse.block_diag([structure.surfaces.shares(n)] * rest.shape[0]).tocsr()
+
+    def forces(self, x: Array, v: Array) -> Array:
+        """Forces of lines, cells, dampers and weights on all places that have gone by x from rest, N."""
+        return np.asarray(self._force - self._K @ x - self._C @ v)
+
+    def stored(self, x: Array) -> float:
+        """Energy in lines and cells, J."""
+        return self._elastic - float((self._force - self._weight) @ x) + 0.5 * float(x @ (self._K @ x))
+
+    def kept(self, force: Array) -> tuple[Array, Array]:
+        """What tensions of links that do not stretch add to forces on all places, with inertia, so that these balance.
+
+        Returns:
+            Changes of tensions (node,), by the first node of each link, and all forces (place,), N.
+        """
+        pulled = np.zeros(force.size // self._axes)
+        if not self._links.size:
+            return pulled, force
+        x = np.linalg.lstsq(self._own.T, self._to.T @ force, rcond=None)[0]
+        pulled[self._links] = self._h * x
+        return pulled, np.asarray(force - self._all.T @ x)
+
+    def rubbed(self, force: Array, x: Array) -> tuple[Array, bool]:
+        """Forces on all places with those of the friction on saddles, N, and whether it bears less than that asks for.
+
+        Args:
+            force: of all else, with inertia.
+            x: (place,) m, from rest.
+        """
+        left, slips, n = force.reshape(self._axes, -1).copy(), False, force.size // self._axes
+        for e, i, way in self._stuck:
+            assert self._saddles is not None
+            along = left[:, i] - way * float(way @ left[:, i])
+            deep = x.reshape(self._axes, n)[:, [i, int(self._saddles.node[e])]]
+            pressed = self._pressed[i] + float(self._saddles.k[e]) * float(way @ (deep[:, 0] - deep[:, 1]))
+            slips = slips or float(np.linalg.norm(along)) > float(self._saddles.friction[e]) * max(pressed, 0.0)
+            left[:, i] -= along
+            left[:, int(self._saddles.node[e])] += along
+        return left.ravel(), slips
+
+    def slips_over(self, sheaves: Sheaves | None) -> bool:
+        """Whether tensions beside sheaves, which are known, differ by more than their friction bears."""
+        if sheaves is None or self._how != STICKS:
+            return False
+        behind, ahead = sheaves.tension.T
+        return bool((np.maximum(behind, ahead) > np.minimum(behind, ahead) * self._ratio).any())
+
+    def handed(self, force: Array) -> Array:
+        """The same forces where ways on nets hand them over to the cells below, N."""
+        if self._laid is None:
+            return force
+        on_ways = np.asarray(self._laid.sum(axis=1)).ravel() != 0.0
+        return np.asarray(np.where(on_ways, 0.0, force) + self._laid.T @ np.where(on_ways, force, 0.0))

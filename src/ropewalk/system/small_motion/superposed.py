@@ -1,0 +1,258 @@
+"""A run of kind linear on the system: small motion about rest in all directions, by superposition of modes.
+
+Modes are those of the stiffness, masses and dampers of the structure at rest without loads. What travels over it goes
+along its lines as they rest; `solve/superposition.py` does the rest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ropewalk.mechanics.assembly import axes_of
+from ropewalk.mechanics.chain import Array
+from ropewalk.mechanics.loading import loading_of
+from ropewalk.model.run import Linear
+from ropewalk.model.scenario import Scenario
+from ropewalk.results.frame import ENERGY_FORMS, Frame, Layout, RunInfo
+from ropewalk.solve.crossings import CLOSE, LOOKS, crossings
+from ropewalk.solve.modal import ModalBasis
+from ropewalk.solve.superposition import (
+    TOLERANCE,
+    ModalBodies,
+    Moment,
+    Stretch,
+    Superposition,
+    passed_an_end,
+    restrained_by_pulling,
+)
+from ropewalk.system.assembling.assembled import Assembled
+from ropewalk.system.assembling.assembly import contacts_of, refuse_beyond
+from ropewalk.system.elements.cells_about_rest import tensions_about_rest
+from ropewalk.system.elements.structure import WORKS, SystemState
+from ropewalk.system.equilibrium.rest import about_rest, at_rest
+from ropewalk.system.equilibrium.statics import SystemPotential
+from ropewalk.system.equilibrium.structures import structure_of
+from ropewalk.system.loads.loaded_structure import Carried, LoadedStructure, load_springs, measure_from_ends
+from ropewalk.system.reporting.doubts import doubt_slack, doubt_sticking
+from ropewalk.system.reporting.frames import FrameBuilder, SystemNote
+from ropewalk.system.small_motion.passing import Passing
+from ropewalk.system.small_motion.rest_state import RestState, how_at_sheaves
+
+_STORED = ("kinetic", "elastic", "gravitational", "load_kinetic", "load_potential")
+_KNOWN = [ENERGY_FORMS.index(form) for form in _STORED]
+_LINKS = 0.5  # of a link, that contacts go in the longest step
+
+
+class Superposed:
+    """A linear run: its layout, and its frames.
+
+    Args:
+        scenario: what is computed.
+        run: its run.
+        times: output instants in s, from 0.
+        run_info: filled in.
+
+    Raises:
+        RopewalkError: there is no rest, or something resists nothing to the first order.
+    """
+
+    def __init__(self, scenario: Scenario, run: Linear, times: Array, run_info: RunInfo) -> None:
+        self._scenario, self._times, self._run_info = scenario, times, run_info
+        axes = axes_of(scenario)
+        assembled = structure_of(scenario, run.until, axes)
+        loading = loading_of(scenario, run.until, axes=axes)
+        structure, rest = at_rest(assembled.structure, loading.gravity, assembled.near, within=scenario.is_plane)
+        self.rest, self._linear = rest, about_rest(structure, rest)
+        self._assembled: Assembled = replace(assembled, structure=self._linear)
+        contacts, self._tables, self._of = contacts_of(scenario, loading, structure, assembled.on)
+        refuse_beyond(scenario, loading, contacts, structure)
+        measure_from_ends(contacts, structure, rest)
+        contacts["margin"] = contacts["step"] = 0.0
+        self._still = RestState(structure, rest)
+        K, M, C = self._still.equations
+        self.modes = ModalBasis.of(K, M, C, self._still.free, run.modes)
+        carried = Carried(contacts, self._tables, self._of)
+        self._loaded = LoadedStructure(self._linear, rest, carried)
+        size = float(np.ptp(rest, axis=1).max())
+        self._potential = SystemPotential(self._linear, self._loaded, size, how=how_at_sheaves(structure))
+        self._potential.forces(self._potential.taken())
+        self._loaded.stand(0.0, rest)
+        names = [wheel.load for wheel in loading.wheels]
+        self._passing = Passing(self._linear, self._loaded, self._potential, self._tables, names)
+        self._builder = FrameBuilder(self._assembled, loading, self._of, windy=False)
+        doubt_slack(scenario, run_info, self.layout.link_line, self._potential.buffers.tension[self._builder.link])
+        run_info.method = "modal superposition"
+        run_info.audit = "the linear theory superposes modes and keeps no works"
+
+    @property
+    def layout(self) -> Layout:
+        """Names and coordinates of the frames."""
+        return self._builder.layout
+
+    def frames(self) -> Iterator[Frame]:
+        """All frames.
+
+        Raises:
+            RopewalkError: a load passes an end of its line that it must not pass.
+        """
+        motion = Superposition(self.modes, self._passing, self._bodies(), self.rest.shape[0])
+        stretches = self._stretches()
+        moments, step, missed = motion.moments(stretches, self._longest(), self._start(stretches[0].on))
+        count, among = self.modes.frequency.size, self._still.free.shape[1]
+        run_info = self._run_info
+        run_info.step = step
+        run_info.reason = f"{count} of {among} modes of the structure at rest, and what is left at once with the forces"
+        if count == among:
+            run_info.reason = f"all {count} modes of the structure at rest"
+        if missed > 10.0 * TOLERANCE:
+            run_info.doubt(
+                f"half the steps still change {missed:.2g} of the displacement or contact force",
+                "a body on the structure oscillates fast against its travel", "",
+                "compare with kind: dynamic, geometry: linearised",
+            )  # fmt: skip
+        displayed = [s for s in stretches if s.displayed]
+        lost: set[int] = set()
+        for t, moment, on in zip(self._times, moments, [stretches[0].on, *(s.on for s in displayed)], strict=True):
+            self._ask_contact(float(t), moment, lost)
+            yield self._frame(float(t), moment, on)
+
+    def _bodies(self) -> ModalBodies:
+        own, loaded = self._loaded.own, self._loaded
+        first = loaded.contacts["first"].copy()
+        first[first >= own] = -1
+        K, C = loaded.K.toarray()[:own, :own], loaded.damping(loaded.state.u).toarray()[:own, :own]
+        M = loaded.masses().toarray()[:own, :own]
+        return ModalBodies(M, C, K, loaded.weight[:own], first, self._of.load)
+
+    def _longest(self) -> float:
+        """Length of a step in which contacts go part of a link, s."""
+        contacts, runs = self._loaded.contacts, self._linear.runs
+        longest = float(np.diff(self._times).max(initial=0.0)) or 1.0
+        for k in range(contacts.size):
+            begin, count = int(contacts[k]["speed_first"]), int(contacts[k]["speed_count"])
+            fastest = float(np.abs(self._tables.speed_value[begin : begin + count]).max(initial=0.0))
+            h = float(runs.h[self._linear.lines.first[contacts[k]["line"]]])
+            if fastest > 0.0:
+                longest = min(longest, _LINKS * h / fastest)
+        return longest
+
+    def _start(self, on: NDArray[np.bool_]) -> tuple[Array, Array]:
+        """Bodies at rest on their springs, as they go along; contacts that are not on their lines on the ground."""
+        own, u = self._loaded.own, self._loaded.state.u.copy()
+        w, touch = np.zeros(u.size), self._passing.at(0.0, on)
+        first = self._loaded.contacts["first"]
+        for i, k in enumerate(touch.contact):
+            at = first[k] + np.arange(self.rest.shape[0])
+            u[at], w[at] = touch.point[i], touch.way[i]
+        beside = self._passing.beside(0.0, on)
+        for k in np.flatnonzero(~on & (first < own)):
+            w[first[k] + np.arange(self.rest.shape[0])] = beside[k]
+        load_springs(self._of, u, w)
+        return u[:own], w[:own]
+
+    def _stretches(self) -> list[Stretch]:
+        """The time of the run between instants of output, jumps of histories, and loads that come and go."""
+        until, tables = float(self._times[-1]), self._tables
+        jumps = np.concatenate([tables.speed_time, tables.force_time])
+        events = [*self._times, *jumps[(jumps > 0.0) & (jumps < until)], *self._comings(until)]
+        instants = np.unique(np.array(events))
+        kept = np.concatenate([[True], np.diff(instants) > CLOSE * until])
+        instants = instants[kept]
+        displayed = {int(np.abs(instants - t).argmin()) for t in self._times}
+        contacts = self._loaded.contacts
+        been, found = self._passing.whether_on(0.0, np.zeros(contacts.size, dtype=np.bool_)), []
+        seen = been.copy()
+        for i in range(instants.size - 1):
+            begin, end = float(instants[i]), float(instants[i + 1])
+            on = self._passing.whether_on(0.5 * (begin + end), seen)
+            self._refuse_to_leave(seen & ~on, begin)
+            seen |= on
+            loads = np.unique(contacts["load"][seen & ~on])
+            gone = frozenset(int(n) for n in loads if not on[contacts["load"] == n].any())
+            found.append(Stretch(begin, end, on, gone, i + 1 in displayed))
+        return found
+
+    def _refuse_to_leave(self, off: NDArray[np.bool_], t: float) -> None:
+        for k in np.flatnonzero(off & (self._loaded.contacts["refuses"] == 1)):
+            name = self._builder.loading.wheels[int(k)].load
+            raise passed_an_end(name, t)
+
+    def _comings(self, until: float) -> Iterator[float]:
+        """Instants at which loads come to their lines or leave them, s."""
+        none_on = np.zeros(self._loaded.contacts.size, dtype=np.bool_)
+        if not none_on.size:
+            return
+        looks = np.unique(np.concatenate([np.linspace(0.0, until, LOOKS), self._times]))
+        seen = np.array([self._passing.whether_on(float(t), none_on) for t in looks])
+        yield from crossings(looks, seen, lambda t: self._passing.whether_on(t, none_on), CLOSE * until)
+
+    def _ask_contact(self, t: float, moment: Moment, lost: set[int]) -> None:
+        """Note once where a contact holds a wheel by pulling."""
+        contacts, forces = self._loaded.contacts, moment.force[:, -1]
+        for k in np.flatnonzero((contacts["first"] < self._loaded.own) & (forces > 0.0)):
+            if k not in lost:
+                lost.add(int(k))
+                name = self._builder.loading.wheels[int(k)].name
+                remedy = "kind: dynamic with lift_off: true lets it fly"
+                self._run_info.warnings.append(restrained_by_pulling(name, t, remedy))
+
+    def _frame(self, t: float, moment: Moment, on: NDArray[np.bool_]) -> Frame:
+        loaded, potential, dim = self._loaded, self._potential, self.rest.shape[0]
+        touch, own = self._passing.at(t, on), loaded.own
+        x = moment.place
+        r = self.rest + x.reshape(self.rest.shape)
+        shape = np.concatenate([r.ravel(), moment.u, np.zeros(loaded.weight.size - own)])
+        for i, k in enumerate(touch.contact):  # a contact is where it presses as it does
+            contact, at = loaded.contacts[k], slice(touch.near[i], touch.near[i] + touch.weight.shape[1])
+            below = r[:, at] @ touch.weight[i][: r[:, at].shape[1]]
+            first = r.size + int(contact["first"])
+            shape[first : first + dim] = below + moment.force[k] * touch.soft[i]
+            shape[first + dim - 1] += contact["rough"]
+            contact["hold"] = 0.0
+            if contact["frictionless"]:
+                level = self._linear.runs.ahead[contact["run"]]
+                contact["hold"] = level @ (moment.force[k] - contact["given"][:dim])
+        potential.forces(shape)
+        buffers, v = potential.buffers, moment.velocity.reshape(r.shape)
+        inertia, forces = self._still.mass * moment.acceleration, self._still.forces(x, moment.velocity)
+        forces = forces + self._still.handed(self._pressed(touch, moment.force)) - inertia
+        pulled, forces = self._still.kept(forces)
+        buffers.tension[:] += pulled
+        left, slips = self._still.rubbed(forces, x)
+        buffers.force[:] = left.reshape(r.shape)
+        if slips:
+            doubt_sticking(self._run_info, t, "a saddle")
+        if self._still.slips_over(self._linear.sheaves):
+            doubt_sticking(self._run_info, t, "a sheave")
+        buffers.react(self._linear.restraints)
+        located = loaded.contacts[touch.contact]
+        kinks = 0.5 * float((located["firm"][:, None] * located["d"] ** 2).sum())
+        state = SystemState(
+            np.array([t]), r, v, moment.u, moment.w, self._passing.state.s, np.zeros(WORKS)
+        )  # fmt: skip
+        note = SystemNote.of(state, buffers, loaded.contacts, self._of, self._still.stored(x) + kinks)
+        frame = self._builder.build(SystemNote.together([note]))[0]
+        energy = np.full(len(ENERGY_FORMS), np.nan)
+        energy[_KNOWN] = frame.energy[_KNOWN]
+        return replace(frame, energy=energy, cell_tension=self._cell_tensions(x))
+
+    def _pressed(self, touch: Any, force: Array) -> Array:
+        """Forces of contacts on all places, N."""
+        dim, n = self.rest.shape
+        out = np.zeros((dim, n))
+        for i, k in enumerate(touch.contact):
+            used = np.flatnonzero(touch.weight[i])
+            out[:, touch.near[i] + used] += np.outer(force[k], touch.weight[i][used])
+        return out.ravel()
+
+    def _cell_tensions(self, x: Array) -> Array | None:
+        """Tensions of cells to the first order, (cell, direction) N/m."""
+        if (surfaces := self._linear.surfaces) is None:
+            return None
+        r = self.rest + x.reshape(self.rest.shape)
+        return tensions_about_rest(surfaces.cells, surfaces.cells.area.size, self.rest, r)
