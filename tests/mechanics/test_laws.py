@@ -194,3 +194,16 @@ def test_arrays_of_strains_give_what_single_strains_give() -> None:
 def test_a_law_without_its_stiffness_is_refused() -> None:
     with pytest.raises(ValueError, match="axial stiffness"):
         pack(Hooke(), None)
+
+
+@pytest.mark.parametrize("name", ["tension_only", "table with a gap", "table", "hooke"])
+def test_what_only_pulls_may_be_let_push(name: str) -> None:
+    """Where it pulls it is as it was; elsewhere it goes on with the slope that it begins to pull with."""
+    law = packed(LAWS[name])
+    found = kernels.pushing(law)
+    first = {"table with a gap": 0.004, "table": -0.02}.get(name, 0.0)
+    above = np.linspace(first, 0.06, 50)
+    assert kernels.tensions(found, above) == pytest.approx(kernels.tensions(law, above), abs=1e-9)
+    slope = kernels.tangent(law, first + 1e-6)
+    below = np.array([-0.03, -1e-3]) + min(first, 0.0)
+    assert kernels.tensions(found, below) == pytest.approx(kernels.tension(law, first) + slope * (below - first))

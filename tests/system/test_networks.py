@@ -245,6 +245,21 @@ def three_cables(space: bool) -> tuple[dict[str, Any], np.ndarray]:
     return lines, ways
 
 
+@pytest.mark.parametrize(("long", "knot"), [(6.0, [5.0, -2.0]), (12.0, [5.0, 3.9])])
+def test_slack_lines_of_a_measured_law_rest_where_those_of_a_formula_do(long: float, knot: list[float]) -> None:
+    """Both pull only, and as drawn most of their links are slack."""
+    found = []
+    table = {"law": {"kind": "table", "strain": [-1.0, 0.0, 1.0], "tension": [0.0, 0.0, 1e5]}}
+    for law in (table, {"law": {"kind": "tension_only"}, "axial_stiffness": 1e5}):
+        lines = {
+            name: {"start": start, "end": knot, "length": length, "mass": 1.0, "elements": 4, **law,
+                   "end_support": {"kind": "joined", "to": "knot"}}
+            for name, start, length in (("a", [0.0, 0.0], long), ("b", [9.0, 0.0], 6.0), ("c", [4.0, 4.0], 7.0))
+        }  # fmt: skip
+        found.append(run_of(lines, joints={"knot": {"mass": 1.0}}).position.values)
+    assert found[0] == pytest.approx(found[1], abs=1e-9)
+
+
 @pytest.mark.parametrize("space", [False, True])
 def test_forces_at_a_knot_close_their_polygon(space: bool) -> None:
     lines, ways = three_cables(space)

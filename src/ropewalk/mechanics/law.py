@@ -13,6 +13,7 @@ loop over links evaluates without a branch; longer series and tables take the ge
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ropewalk.mechanics.compiled import kernel
 
@@ -130,6 +131,20 @@ def strain(p, force):
             return new
         eps = new
     return eps
+
+
+def pushing(p: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The same law, continued into compression with its slope at the least strain at which there is one."""
+    found = p.copy()
+    if p[0] == CUBIC:
+        found[1] = NO_FLOOR
+    elif p[0] == TABLE:
+        n = int(p[1])
+        strain, force = p[2 : 2 + n], found[2 + n : 2 + 2 * n]
+        flat = int(np.argmax(np.diff(force) > 0.0))  # entries before have the tension of this one
+        slope = (force[flat + 1] - force[flat]) / (strain[flat + 1] - strain[flat])
+        force[:flat] += slope * (strain[:flat] - strain[flat])
+    return found
 
 
 @kernel

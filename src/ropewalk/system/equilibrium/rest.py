@@ -63,11 +63,9 @@ def least(potential: SystemPotential, start: Array, *, close: bool = False) -> A
 def _pushing(potential: SystemPotential) -> SystemPotential | None:
     """The same with links that push where theirs are slack, and so without any stiffness; None if none are."""
     runs, found = potential.structure.runs, copy(potential)
-    pulls = (runs.law[:, 0] == law.CUBIC) & (runs.law[:, 1] > law.NO_FLOOR)
-    if not pulls.any():
+    rows = np.array([law.pushing(row) for row in runs.law])
+    if np.array_equal(rows, runs.law):
         return None
-    rows = runs.law.copy()
-    rows[pulls, 1] = law.NO_FLOOR
     found.structure = potential.structure._replace(runs=runs._replace(law=rows))
     return found
 
