@@ -152,4 +152,7 @@ def _not_found(scenario: Scenario, found: Mapping[str, float]) -> str:
         remedy += f", or change {' and '.join(guided)}: an end that is free along its rail sets the tension itself"
     tried = f"{len(given)} lines with a given tension do not come to rest with it" if len(given) > 1 else (
         f"line {name} does not come to rest with its tension")  # fmt: skip
-    return f"lines.{name}.tension: {tried}: {found[name]:.5g} N instead of {given[name]:g} N; {remedy}"
+    far = f"{found[name]:.5g} N instead of {given[name]:g} N"
+    if (missed := abs(found[name] / given[name] - 1.0)) < 1e-4:  # digits that are printed are the same
+        far = f"of {given[name]:g} N the search misses {missed:.1e}"
+    return f"lines.{name}.tension: {tried}: {far}; {remedy}"
