@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tracemalloc
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 from net_cases import load, membrane, moved, net, order, rested, scenario, small_deflection, standing
+from ropewalk.model import Scenario
 from ropewalk.results import frames, recorder
 from ropewalk.results.frame import RunInfo
 from ropewalk.simulate import simulate
@@ -267,3 +269,15 @@ def test_memory_is_flat_while_a_long_run_writes_to_a_file(tmp_path, monkeypatch)
     print("held after 100, 200, 300, 400 frames", restrained[100::100])
     # A frame has 10 kB; a few bytes of each are kept. Seen 100 kB, most of it caches that fill.
     assert restrained[400] - restrained[100] < 0.1 * 300 * 10_000
+
+
+@pytest.mark.parametrize("run", [{"kind": "equilibrium"}, {"kind": "dynamic", "until": 1e-3, "every": 1e-3}])
+@pytest.mark.parametrize(("at", "told"), [([2.0, 1.5], 0), ([2.1, 1.4], 1)])
+def test_a_line_joined_beside_a_node_of_a_net_says_so(at: list[float], told: int, run: dict[str, Any]) -> None:
+    guy = {"start": [2.0, 1.5, -3.0], "end": [2.0, 1.5, 0.0], "length": 2.99, "mass": 0.01, "axial_stiffness": 1e4,
+           "elements": 4, "end_support": {"kind": "joined", "to": "net", "at": at}}  # fmt: skip
+    result = simulate(Scenario.model_validate(
+        {"nets": {"net": net(cells=[4, 4], mesh=1.0)}, "lines": {"guy": guy}, "run": run, "gravity": 0.0}
+    ))  # fmt: skip
+    found = [one for one in result.attrs["warnings"].splitlines() if "nearest node of net, at [2, 1.5]" in one]
+    assert len(found) == told, result.attrs["warnings"]

@@ -165,6 +165,7 @@ class SystemMotion:
         doubts.doubt_slack(scenario, run_info, self.layout.link_line, tension[self._builder.link])
         cut = stability.cut_by_damping(self.assembled, self.rest, self.times[-1] / self._step)
         run_info.warnings += [*shaken(scenario), *doubts.coarse_for_wheels(scenario), *self._carriages.slack(), *cut]
+        run_info.warnings += doubts.joined_beside(scenario, self.assembled)
 
     @property
     def layout(self) -> Layout:

@@ -24,6 +24,7 @@ from ropewalk.system.equilibrium.slow_motion import SlowMotion, travelled
 from ropewalk.system.equilibrium.split_lines import AT_SHEAVE, LineForce, LineShape, SplitLines, SplitRest
 from ropewalk.system.equilibrium.structures import structure_of
 from ropewalk.system.loads.loaded_structure import Carried
+from ropewalk.system.reporting.doubts import joined_beside
 from ropewalk.system.reporting.frames import FrameBuilder, SystemNote
 
 _PATH = "load_path"
@@ -79,6 +80,7 @@ class RestUnderForces(SlowMotion[_Loaded]):
         self._scenario, self._run_info, self._loading, self._structure = scenario, run_info, loading, structure
         self._carried = Carried(*contacts_of(scenario, loading, structure, assembled.on))
         refuse_beyond(scenario, loading, self._carried.contacts, structure)
+        run_info.warnings += joined_beside(scenario, assembled)
         self._windy = scenario.wind is not None and not scenario.wind.is_calm
         lengths = dict(zip(scenario.lines, structure.lines.length.tolist(), strict=False))
         self._lines = SplitLines(scenario, lengths, until, assembled.axes)

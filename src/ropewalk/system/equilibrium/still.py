@@ -21,6 +21,7 @@ from ropewalk.system.equilibrium.slow_motion import SlowMotion
 from ropewalk.system.equilibrium.statics import SystemPotential
 from ropewalk.system.equilibrium.structures import structure_of
 from ropewalk.system.loads.loaded_structure import Carried, LoadedStructure
+from ropewalk.system.reporting.doubts import joined_beside
 from ropewalk.system.reporting.frames import FrameBuilder, SystemNote
 from ropewalk.system.reporting.hold_forces import HoldForces, on_friction
 
@@ -54,6 +55,7 @@ class SystemStatics(SlowMotion[_RestShape]):
         assembled = replace(assembled, structure=structure, near=rest)
         self._carried = Carried(*contacts_of(scenario, loading, structure, assembled.on))
         refuse_beyond(scenario, loading, self._carried.contacts, structure)
+        run_info.warnings += joined_beside(scenario, assembled)
         self._carried.contacts["margin"] = 0.0
         self._scenario, self._run_info, self._structure, self._loading = scenario, run_info, structure, loading
         self._loaded = LoadedStructure(structure, rest, self._carried)

@@ -11,6 +11,7 @@ import numpy as np
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.contact_points import ContactPoint
 from ropewalk.model.carriage import Carriage
+from ropewalk.model.joint import Joined
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.trolley import Trolley
 from ropewalk.results.frame import RunInfo
@@ -27,6 +28,8 @@ _LITTLE = 1e-2
 _SLACK = 1e-9
 # Tension over EA of a line at rest that nothing pulls at.
 _NOTHING = 1e-10
+# Part of a cell up to which a node is where something is joined.
+_BESIDE = 1e-6
 # Length of links over the smallest rocker from which on single wheels on a saddle are not resolved.
 _COARSE = 1.5
 
@@ -57,6 +60,23 @@ def doubt_sticking(run_info: RunInfo, t: float, where: str) -> None:
     if not any(doubt.what.startswith(what.partition(",")[0]) for doubt in run_info.doubts):
         wrong = "there it would slip, and tensions on both sides differ less"
         run_info.doubt(what, wrong, "", "ask for kind: dynamic")
+
+
+def joined_beside(scenario: Scenario, assembled: Assembled) -> Iterator[str]:
+    """Lines, in words, that are not joined to nets where it was asked for but at the node next to that."""
+    nets = {} if assembled.nets is None else {sheet.name: sheet for sheet in assembled.nets.membranes}
+    for name, line in scenario.lines.items():
+        for key, end in (("start_support", line.start_support), ("end_support", line.end_support)):
+            if not isinstance(end, Joined) or end.to not in nets:
+                continue
+            assert isinstance(end.at, tuple)
+            node, away = nets[end.to].near(end.at)
+            if away > _BESIDE * float(np.sqrt(nets[end.to].surface.areas.mean())):
+                place = ", ".join(f"{x:.4g}" for x in nets[end.to].surface.plan[node])
+                yield (
+                    f"lines.{name}.{key}: the line is joined to the nearest node of {end.to}, at [{place}], {away:.3g} "
+                    f"m from where it should be; write a smaller nets.{end.to}.mesh, or join it there"
+                )
 
 
 def doubt_saddles(scenario: Scenario, run_info: RunInfo, frames: Frames, line: Sequence[str]) -> None:

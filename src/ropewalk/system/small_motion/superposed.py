@@ -38,7 +38,7 @@ from ropewalk.system.equilibrium.rest import about_rest, at_rest
 from ropewalk.system.equilibrium.statics import SystemPotential
 from ropewalk.system.equilibrium.structures import structure_of
 from ropewalk.system.loads.loaded_structure import Carried, LoadedStructure, load_springs, measure_from_ends
-from ropewalk.system.reporting.doubts import doubt_slack, doubt_sticking
+from ropewalk.system.reporting.doubts import doubt_slack, doubt_sticking, joined_beside
 from ropewalk.system.reporting.frames import FrameBuilder, SystemNote
 from ropewalk.system.small_motion.passing import Passing
 from ropewalk.system.small_motion.rest_state import RestState, how_at_sheaves
@@ -71,6 +71,7 @@ class Superposed:
         self._assembled: Assembled = replace(assembled, structure=self._linear)
         contacts, self._tables, self._of = contacts_of(scenario, loading, structure, assembled.on)
         refuse_beyond(scenario, loading, contacts, structure)
+        run_info.warnings += joined_beside(scenario, assembled)
         measure_from_ends(contacts, structure, rest)
         contacts["margin"] = contacts["step"] = 0.0
         self._still = RestState(structure, rest)
