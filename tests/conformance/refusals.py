@@ -49,7 +49,8 @@ _PATTERNS = {
         "a given force is no vehicle": r"of kind force is only a force; what can be exported",
     },
     MISSING: {
-        "a winch pulls in motions with all geometry": rf"a winch {_NOT}|: {_NOT} lines that a winch pulls at",
+        "a winch pulls in explicit steps, and has no spectrum at an instant":
+            rf"a winch {_NOT}|: {_NOT} lines that a winch pulls at",
         "loads on networks, nets and in wind: forces, masses, footsteps":
             rf"loads\.[^.:]*\.kind: {_NOT} (joined|lines over sheaves)",
         "loads on lines with bending stiffness: no trolleys and walkers":
@@ -89,10 +90,9 @@ _PATTERNS = {
         "walkers on profiles on beams alone": rf"on a profile {_NOT}",
         "no linear theory in wind that blows": rf"wind {_NOT} kind: linear",
         "no linear theory to compare with": r"^no distances$",
-        "no comparison on nets": r"compare supports lines; nets and membranes are not implemented",
         "a window with all geometry on overhead lines between weights alone":
             rf"a window with geometry: nonlinear {_NOT}",
-        "tracks begin at rest, without a window and a linear theory": rf"{_NOT} tracks",
+        "under a track lie straight lines, ballast has a mass": rf"{_NOT} tracks",
         "linear theory: no vehicle that starts on the line":
             rf"a vehicle that starts before its line {_NOT}|is not reached with \d+ modes|run\.modes",
     },
