@@ -44,13 +44,9 @@ _PATTERNS = {
         "a carriage rolls along a rope": r"a carriage rolls along a rope",
         "where loading turns into unloading, hysteresis has two stiffnesses":
             r"has no small motion: where loading turns",
-        "within its dead band a winch stands anywhere":
-            r"a winch that stands within its dead band|within its dead band a winch stands",
         "a given force is no vehicle": r"of kind force is only a force; what can be exported",
     },
     MISSING: {
-        "a winch pulls in explicit steps, and has no spectrum at an instant":
-            rf"a winch {_NOT}|: {_NOT} lines that a winch pulls at",
         "loads on networks, nets and in wind: forces, masses, footsteps":
             rf"loads\.[^.:]*\.kind: {_NOT} (joined|lines over sheaves)",
         "loads on lines with bending stiffness: no trolleys and walkers":
@@ -92,7 +88,6 @@ _PATTERNS = {
         "no linear theory to compare with": r"^no distances$",
         "a window with all geometry on overhead lines between weights alone":
             rf"a window with geometry: nonlinear {_NOT}",
-        "under a track lie straight lines, ballast has a mass": rf"{_NOT} tracks",
         "linear theory: no vehicle that starts on the line":
             rf"a vehicle that starts before its line {_NOT}|is not reached with \d+ modes|run\.modes",
     },

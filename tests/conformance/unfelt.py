@@ -24,6 +24,7 @@ NEVER: dict[str, str] = {
     "Cabin.floor": "is for the clearance, which summaries tell; tests/system/test_carriages.py has",
     "Line.strength": "is for doubts and summaries; tests/system/test_breaking.py has",
     "FmuTravel.path": "is for nets, on which no base has such a load; tests/system/test_loads_on_nets.py has",
+    "Crowd.path": "is for nets, on which no base has people; tests/test_crowds.py has",
     "FreeTravel.path": "is for nets, on which no base has such a load; tests/system/test_loads_on_nets.py has",
     "Stepper.path": "is for nets, on which no base has such a load; tests/system/test_loads_on_nets.py has",
     "Equilibrium.accuracy": "goes with elements: auto, which no base has; tests/meshes/test_chosen_meshes.py has",

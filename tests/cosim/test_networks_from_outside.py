@@ -106,7 +106,7 @@ def test_a_body_on_the_spring_of_a_contact_is_one_of_the_scenario(place: str) ->
         apart.append(abs((z - begin) - expected) / abs(expected))
     print(apart)
     assert apart[1] < 0.01
-    assert apart[1] < 0.6 * apart[0]
+    assert apart[1] < 0.65 * apart[0]  # 0.5, and what the net answers besides
 
 
 def test_what_is_not_known_is_refused() -> None:

@@ -74,7 +74,11 @@ LINES: list[tuple[dict[str, Any], str, str]] = [
     ({"spans": {"count": 0, "length": 60}}, "spans.count", "is too small"),
     ({"spans": [60, "-1 m"]}, "spans.1", "must be positive"),
     ({"spans": [60, [60]]}, "spans.1", "a list among single values"),
-    ({"spans": [60] * 2001, "analysed_spans": None}, "spans", "too many spans, given 2001 spans; write at most 2000"),
+    (
+        {"spans": [60] * 10001, "analysed_spans": None},
+        "spans",
+        "too many spans, given 10001 spans; write at most 10000",
+    ),
     ({"element": "5 m"}, "element", "the links are too long for the spans, given 5 m; write at most 3.75 m"),
     ({"analysed_spans": [5, 11]}, "analysed_spans", "not spans of this line, given [5, 11]; write the first and the"),
     ({"analysed_spans": [6, 5]}, "analysed_spans", "the first comes after the last"),

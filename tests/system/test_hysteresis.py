@@ -144,7 +144,7 @@ def test_what_does_not_fit_together_is_refused(change: dict[str, Any], message: 
 
 @pytest.mark.parametrize(
     "run",
-    [{"kind": "linear", "until": 1}, {"kind": "quasistatic"},
+    [{"kind": "linear", "until": 1},
      {"kind": "dynamic", "until": 1, "geometry": "linearised"}, {"kind": "dynamic", "until": 1, "method": "implicit"}],
 )  # fmt: skip
 def test_runs_that_do_not_follow_the_history_of_strain_are_refused(run: dict[str, Any]) -> None:

@@ -167,6 +167,9 @@ _BLAMED = re.compile(r"; likely cause: .*\(([a-z_]+(?:\.[^()]+)?)\); ")
 SPLINE = "fourth order"
 """What bending is of where that is right of a spline through the nodes, see `system/elements/cables.py`."""
 
+MEAN = "mean of links"
+"""What second differences of deflections are of where these are right at nodes, see `wires/bending.py`."""
+
 
 @dataclass
 class RunInfo:
@@ -185,7 +188,7 @@ class RunInfo:
     audit: str = ""  # why no energy audit is kept, if that is so
     doubts: list[Doubt] = field(default_factory=list)  # reasons not to trust the run
     mesh: dict[str, str | float] = field(default_factory=dict)  # attributes that tell of its error, if asked for
-    curvature: str = ""  # of bending: `SPLINE`, or by second differences
+    curvature: str = ""  # of bending: `SPLINE`, `MEAN`, or by second differences
     static: dict[str, dict[str, float]] = field(default_factory=dict)  # largest static values of lines, if asked for
 
     def doubt(self, what: str, cause: str, key: str, remedy: str) -> None:

@@ -14,7 +14,7 @@ from ropewalk.mechanics.along_lines import bending_along
 from ropewalk.model.line import spatial
 from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contract import CURVATURE, STATIC, path_name
-from ropewalk.results.frame import SPLINE, Array
+from ropewalk.results.frame import MEAN, SPLINE, Array
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -131,17 +131,24 @@ class LineResponse:
                 turn = level * (z[:, other] - z[:, one]) - rise * (x[:, other] - x[:, one])
                 out[:, end] = (2.0 if end == 0 else -2.0) * EI[end] * turn / (self.xi[1] - self.xi[0]) ** 2
             out += self._smoothed(out, EI)
-        out += self._corners
+        corners, kinks = self._corners
+        out += corners
         for end, (a, b) in ((0, (1, 2)), (-1, (-2, -3))):
             if end not in self._clamped:
                 out[:, end] = 0.0
             elif not self._is_spline:
                 out[:, end] = 2.0 * out[:, a] - out[:, b]
+        if self._is_mean:  # of what has no kinks, too
+            out[:, 1:-1] -= np.diff(out - kinks, 2, axis=1) / 12.0
         return out
 
     @property
     def _is_spline(self) -> bool:
         return self.dataset.attrs.get(CURVATURE) == SPLINE
+
+    @property
+    def _is_mean(self) -> bool:
+        return self.dataset.attrs.get(CURVATURE) == MEAN
 
     @property
     def _clamped(self) -> list[int]:
@@ -161,8 +168,8 @@ class LineResponse:
         return np.asarray(out)
 
     @cached_property
-    def _corners(self) -> Array:
-        """(frame, node) N m, what differences miss of moments whose slopes jump by point forces.
+    def _corners(self) -> tuple[Array, Array]:
+        """(frame, node) N m, what differences miss of moments whose slopes jump by point forces, and these kinks.
 
         Beside a force F at a distance of u links a moment goes as -(F h / 2) |u|. The second difference of exact
         deflections is its mean with a hat, less by (F h / 6) (1 - |u|)^3 for |u| < 1. On a mesh it is what nodes bear,
@@ -170,9 +177,9 @@ class LineResponse:
         with the cubic B-spline B. Where bending is that of a spline, nodes share F in another way, see `_lacking`;
         forces of supports are those of their nodes.
         """
-        exact = self.dataset.attrs.get("method") == "linear theory"
+        exact = self._is_mean or self.dataset.attrs.get("method") == "linear theory"
         h = float(self.xi[1] - self.xi[0])
-        out = np.zeros((self.path.size, self.xi.size))
+        out, kinks = np.zeros((2, self.path.size, self.xi.size))
         given, place = self.dataset["contact_force"].values[..., -1], self.dataset["contact_xi"].values
         on = [k for k, load in enumerate(self.dataset["load"].values.tolist()) if self._carries(load)]
         forces = [(-given[:, k], place[:, k]) for k in on]
@@ -184,6 +191,8 @@ class LineResponse:
         for force, at in forces:
             there = np.flatnonzero(np.isfinite(force) & np.isfinite(at) & (force != 0.0))
             near = (at[there] / h).astype(np.int64)
+            if self._is_mean:
+                kinks[there] -= 0.5 * force[there, None] * np.abs(self.xi - at[there, None])
             for side in range(-3, 5) if self._is_spline else range(-1, 3):
                 i = near + side
                 inside = (i >= 0) & (i < self.xi.size)
@@ -193,7 +202,7 @@ class LineResponse:
                 else:
                     missed = np.maximum(1.0 - u, 0.0) ** 3 - (0.0 if exact else _b_spline(u))
                 out[there[inside], i[inside]] += force[there][inside] * h / 6.0 * missed
-        return out
+        return out, kinks
 
     def _carries(self, contact: str) -> bool:
         load = self._loads.get(contact) or self._loads.get(contact.partition(".")[0])

@@ -14,7 +14,7 @@ from ropewalk.errors import RopewalkError
 from ropewalk.external.cosimulation_master import CosimulationMaster, TravelEndedError
 from ropewalk.mechanics.portions import portion
 from ropewalk.model.run import common_interval
-from ropewalk.results.frame import OFF_LINE, Frame, Layout, RunInfo
+from ropewalk.results.frame import MEAN, OFF_LINE, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.running import Ending
 from ropewalk.wires.bearing import at_rest_together
@@ -81,6 +81,8 @@ class Wires:
         run_info.warnings += task.diagnostics
         self.start, self.mesh, self._at_rest = start, start.mesh, start.position
         self.run_info = run_info
+        if self.mesh.strands.fourth.all():
+            run_info.curvature = MEAN
         self.moving_loads = moving_loads_of(
             [prescribed_motion.moving_load for prescribed_motion in self.task.prescribed_motions]
         )
