@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
 from ropewalk.chains.beginning import initial_state
 from ropewalk.chains.frames import ChainFrameBuilder
-from ropewalk.checkpoint import Tree, copied, put
+from ropewalk.checkpoint import Tree
 from ropewalk.controllers.assembly import controllers_of
-from ropewalk.cosim.outside import ContactInput, ContactOutput, Outside, Stepwise
+from ropewalk.cosim.on_carrier import OnCarrier, Silent
+from ropewalk.cosim.outside import ContactOutput, Outside
 from ropewalk.errors import RopewalkError
-from ropewalk.external.cosimulation_master import ContactPush
 from ropewalk.mechanics.bodies import are_weightless
 from ropewalk.mechanics.chain import OFF, Array
 from ropewalk.mechanics.moving_contact import link_of
@@ -30,21 +29,7 @@ from ropewalk.solve.splitting import RUNNING
 from ropewalk.solve.start import setting_of
 
 
-class Silent:
-    """Stands for a model that is asked by nobody: its contacts are moved from outside."""
-
-    def step(self, t: float, h: float, line: Any) -> list[Any]:
-        """Press nowhere."""
-        return []
-
-    def get_state(self) -> None:
-        """Nothing changes in it."""
-
-    def set_state(self, state: None) -> None:
-        """Nothing changes in it."""
-
-
-class Chained(Stepwise):
+class Chained(OnCarrier):
     """Plain lines moved from outside; see `Stepwise`."""
 
     def __init__(self, scenario: Scenario, outside: Mapping[str, Outside]) -> None:
@@ -63,7 +48,7 @@ class Chained(Stepwise):
         self.setting = setting
         names = [wheel.name for wheel in setting.wheels]
         self._contact = {name: names.index(name) for name in outside}
-        self._interface_coordinate = (
+        self._springs = (
             {name: setting.multibody_system.interface_coordinates.get(name, ()) for name in outside}
             if setting.multibody_system
             else {}
@@ -101,69 +86,22 @@ class Chained(Stepwise):
         Raises:
             RopewalkError: the motion does not get there.
         """
-        for name, contact_input in self.contact_inputs.items():
-            self._hold(name, contact_input, h)
+        self._press(h)
         self._motion.to(self.t + h)
         if self._progress.status != RUNNING:
             outcome, advice = self._progress.ending()
             raise RopewalkError(f"the motion stopped at t = {self.t:.6g} s ({outcome}): {advice}")
-        for contact_input in self.contact_inputs.values():
-            contact_input.xi += contact_input.speed * h
-            contact_input.first = contact_input.last
-            contact_input.height += contact_input.rise * h
-
-    def _hold(self, name: str, contact_input: ContactInput, h: float) -> None:
-        """Let a contact do what it is told, from now on."""
-        k = self._contact[name]
-        length = self.length(self.outside[name].on)
-        if not 0.0 <= contact_input.xi <= length:  # NaN is not, either
-            if self._carrier.is_on(k):
-                self._carrier.take_up(k)
-            return
-        # The contact stops at an end of the line: what goes on beyond it is lifted with the next step.
-        end = min(max(contact_input.xi + contact_input.speed * h, 0.0), length)
-        push = ContactPush(
-            contact_input.xi, (end - contact_input.xi) / h, np.array(contact_input.first), np.array(contact_input.last)
-        )
-        self._carrier.apply_push(k, push, h)
-        for interface_coordinate in self._interface_coordinate.get(name, ()):
-            self._carrier.set_interface(interface_coordinate, contact_input.height, contact_input.rise)
-
-    def length(self, line: str) -> float:
-        """Unstrained length of a line, m."""
-        return self._line(line).length
-
-    def at(self, line: str, xi: float) -> tuple[Array, Array]:
-        """Position in m and velocity of the material in m/s of a line, (axis,)."""
-        return self._line(line).at(xi)
-
-    def below(self, line: str, x: float) -> float:
-        """The xi in m of a line above or below a horizontal place x in m."""
-        return self._line(line).below(x)
+        self._go_on(h)
 
     def output(self, name: str) -> ContactOutput:
         """What is seen of a contact now."""
-        contact_input, outside, state, k = (
-            self._contact_input(name),
-            self.outside[name],
-            self._state,
-            self._contact[name],
-        )
-        line = self._line(outside.on)
-        xi = min(max(contact_input.xi, 0.0), line.length) if np.isfinite(contact_input.xi) else 0.0
-        place, velocity = line.at(xi)
+        given, on, state = self._contact_input(name), self.outside[name].on, self._state
+        line, k = self._line(on), self._contact[name]
+        xi = min(max(given.xi, 0.0), line.length) if np.isfinite(given.xi) else 0.0
         b = int(state.moving_load[k])
-        i, j = (b - 1, b + 1) if b >= 0 else self._link(k, outside.on, xi)
+        i, j = (b - 1, b + 1) if b >= 0 else self._link(k, on, xi)
         tangent = (state.r[:, j] - state.r[:, i]) / (state.X[j] - state.X[i])
-        velocity = velocity + contact_input.speed * tangent
-        force = np.zeros(self.dim)
-        if 0.0 <= contact_input.xi <= line.length:  # at the beginning it is not on the line yet
-            force = np.array(contact_input.first, dtype=np.float64) if len(contact_input.first) == self.dim else force
-            if outside.is_sprung:
-                apart, faster = contact_input.height - place[-1], contact_input.rise - velocity[-1]
-                force[-1] = _within(outside, outside.stiffness * apart + outside.damping * faster)
-        slope = float(tangent[-1] / tangent[0]) if tangent[0] else np.inf
-        return ContactOutput(place, velocity, slope, force)
+        return self._seen(name, *line.at(xi), tangent, line.length)
 
     def support_forces(self) -> dict[str, Array]:
         """Forces of all supports on their lines, by name, (axis,) N."""
@@ -177,23 +115,13 @@ class Chained(Stepwise):
         Raises:
             RopewalkError: a load is an external model that gives no state.
         """
-        pressed = copied(self._carrier.given(self._contact.values()))
-        contact_inputs = {name: asdict(contact_input) for name, contact_input in self.contact_inputs.items()}
-        return {
-            "motion": self._motion.get_state(),
-            "given": pressed,
-            "hands": contact_inputs,
-            "status": self._progress.status,
-        }
+        return {"motion": self._motion.get_state(), "status": self._progress.status, **self._inputs_given()}
 
     def set_state(self, state: Tree) -> None:
         """Go back to what `get_state` gave."""
         self._motion.set_state(state["motion"])
-        put(self._carrier.given(self._contact.values()), state["given"])
+        self._give_inputs(state)
         self._progress.status = state["status"]
-        self.contact_inputs.update(
-            {name: ContactInput(**contact_input) for name, contact_input in state["hands"].items()}
-        )
 
     def _line(self, name: str) -> ChainLine:
         return ChainLine(self.setting, self._state, self.setting.lines.index(name))
@@ -204,13 +132,6 @@ class Chained(Stepwise):
         else:
             i = int(link_of(self.setting.strands, self.setting.loads, self._state, k))
         return i, i + 1
-
-
-def _within(outside: Outside, force: float) -> float:
-    """A force on the line that a body on one side can exert."""
-    if outside.side is None:
-        return force
-    return min(force, 0.0) if outside.side == "above" else max(force, 0.0)
 
 
 def _one_sided(multibody_system: MultibodySystem, outside: Mapping[str, Outside]) -> MultibodySystem:

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from ropewalk.capabilities import SYSTEM
-from ropewalk.checkpoint import Tree, copied, put
-from ropewalk.cosim.chained import Silent
-from ropewalk.cosim.outside import ContactInput, ContactOutput, Outside, Stepwise
+from ropewalk.checkpoint import Tree
+from ropewalk.cosim.on_carrier import OnCarrier, Silent
+from ropewalk.cosim.outside import ContactOutput, Outside
 from ropewalk.errors import Problem, RopewalkError, ScenarioError
-from ropewalk.external.cosimulation_master import ContactPush
 from ropewalk.mechanics.chain import Array
 from ropewalk.model.capabilities import refusal
 from ropewalk.model.exchange import Exchange
@@ -22,7 +20,7 @@ from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.stepper import Stepper
 from ropewalk.results.frame import RunInfo
-from ropewalk.system.dynamics.carrier import SystemLine
+from ropewalk.system.dynamics.carrier import SystemCarrier, SystemLine
 from ropewalk.system.dynamics.moving import SystemMotion
 
 _WHAT = "joined lines, lines over sheaves, saddles and in wind, inextensible lines and nets"
@@ -30,12 +28,14 @@ _NEVER = 1e9  # s, after which contacts from outside would be asked for the firs
 _BESIDE = 0.5  # of a link, on both sides of a contact, over which its slope is taken
 
 
-class OnSystem(Stepwise):
+class OnSystem(OnCarrier):
     """Joined lines, lines over sheaves, saddles and in wind, inextensible lines, nets; see `Stepwise`.
 
     Raises:
         ScenarioError: the engine does not move such lines, or not with such contacts.
     """
+
+    _carrier: SystemCarrier
 
     def __init__(self, scenario: Scenario, outside: Mapping[str, Outside]) -> None:
         super().__init__(scenario, outside)
@@ -72,42 +72,12 @@ class OnSystem(Stepwise):
         Raises:
             RopewalkError: the motion does not get there.
         """
-        for name, contact_input in self.contact_inputs.items():
-            self._press(name, contact_input, h)
+        self._press(h)
         self._carrier.system.settle()
         self._motion.times = np.array([self.t, self.t + h])
         if (ending := self._motion.advance(1)) is not None:
             raise RopewalkError(f"the motion stopped ({ending.outcome}): {ending.advice}")
-        for contact_input in self.contact_inputs.values():
-            contact_input.xi += contact_input.speed * h
-            contact_input.first = contact_input.last
-            contact_input.height += contact_input.rise * h
-
-    def _press(self, name: str, given: ContactInput, h: float) -> None:
-        """Let a contact do what it is told, from now on."""
-        k, length = self._contact[name], self.length(self.outside[name].on)
-        if not 0.0 <= given.xi <= length:  # NaN is not, either
-            if self._carrier.is_on(k):
-                self._carrier.take_up(k)
-            return
-        # The contact stops at an end of the line: what goes on beyond it is lifted with the next step.
-        end = min(max(given.xi + given.speed * h, 0.0), length)
-        push = ContactPush(given.xi, (end - given.xi) / h, np.array(given.first), np.array(given.last))
-        self._carrier.apply_push(k, push, h)
-        for spring in self._springs.get(name, ()):
-            self._carrier.set_interface(spring, given.height, given.rise)
-
-    def length(self, line: str) -> float:
-        """Unstrained length of a line, or of the path of contacts on a net, m."""
-        return self._line(line).length
-
-    def at(self, line: str, xi: float) -> tuple[Array, Array]:
-        """Position in m and velocity of the material in m/s of a line, (axis,)."""
-        return self._line(line).at(xi)
-
-    def below(self, line: str, x: float) -> float:
-        """The xi in m of a line above or below a horizontal place x in m."""
-        return self._line(line).below(x)
+        self._go_on(h)
 
     def _line(self, name: str) -> SystemLine:
         for own, k in self._contact.items():
@@ -119,20 +89,12 @@ class OnSystem(Stepwise):
 
     def output(self, name: str) -> ContactOutput:
         """What is seen of a contact now."""
-        given, outside, line = self._contact_input(name), self.outside[name], self._carrier.line(self._contact[name])
+        given, line = self._contact_input(name), self._carrier.line(self._contact[name])
         xi = min(max(given.xi, 0.0), line.length) if np.isfinite(given.xi) else 0.0
-        place, velocity = line.at(xi)
         aside = _BESIDE * float(self._motion.structure.runs.h[self._motion.structure.lines.first[line.number]])
         behind, ahead = max(xi - aside, 0.0), min(xi + aside, line.length)
         tangent = (line.spline(ahead)[0] - line.spline(behind)[0]) / (ahead - behind)
-        velocity, force = velocity + given.speed * tangent, np.zeros(self.dim)
-        if 0.0 <= given.xi <= line.length:  # at the beginning it is not on the line yet
-            force = np.array(given.first, dtype=np.float64) if len(given.first) == self.dim else force
-            if outside.is_sprung:
-                apart, faster = given.height - place[-1], given.rise - velocity[-1]
-                force[-1] = outside.stiffness * apart + outside.damping * faster
-        slope = float(tangent[-1] / tangent[0]) if tangent[0] else np.inf
-        return ContactOutput(place, velocity, slope, force)
+        return self._seen(name, *line.at(xi), tangent, line.length)
 
     def support_forces(self) -> dict[str, Array]:
         """Forces of all supports on their lines, by name, (axis,) N."""
@@ -147,15 +109,12 @@ class OnSystem(Stepwise):
         Raises:
             RopewalkError: a load is an external model that gives no state.
         """
-        given = {name: asdict(contact_input) for name, contact_input in self.contact_inputs.items()}
-        pressed = copied(self._carrier.given(self._contact.values()))
-        return {"motion": self._motion.get_state(), "given": pressed, "hands": given}
+        return {"motion": self._motion.get_state(), **self._inputs_given()}
 
     def set_state(self, state: Tree) -> None:
         """Go back to what `get_state` gave."""
         self._motion.set_state(state["motion"])
-        put(self._carrier.given(self._contact.values()), state["given"])
-        self.contact_inputs.update({name: ContactInput(**own) for name, own in state["hands"].items()})
+        self._give_inputs(state)
 
 
 def _stepper(scenario: Scenario, name: str, contact: Outside) -> Stepper:

@@ -185,6 +185,13 @@ class Stepwise:
         """Go back to what `get_state` gave."""
         raise NotImplementedError
 
+    def _go_on(self, h: float) -> None:
+        """Where contacts from outside are after a step of h seconds."""
+        for contact_input in self.contact_inputs.values():
+            contact_input.xi += contact_input.speed * h
+            contact_input.first = contact_input.last
+            contact_input.height += contact_input.rise * h
+
     def _contact_input(self, name: str, sprung: bool | None = None) -> ContactInput:
         if name not in self.contact_inputs:
             raise RopewalkError(f"there is no contact {name} from outside; {did_you_mean(name, self.contact_inputs)}")

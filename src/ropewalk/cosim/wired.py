@@ -100,10 +100,7 @@ class Wired(Stepwise):
         if not self._run.is_sane():
             raise RopewalkError(f"the motion grew beyond all bounds at t = {self.t:.6g} s; write a smaller step")
         self._record = record
-        for contact_input in self.contact_inputs.values():
-            contact_input.xi += contact_input.speed * h
-            contact_input.first = contact_input.last
-            contact_input.height += contact_input.rise * h
+        self._go_on(h)
 
     def _inputs(self, h: float) -> StepInputs:
         """What the loads do during a step, and all contacts from outside."""
