@@ -140,7 +140,7 @@ def _miss(tight, structure, buffers, contacts, state, table, out):
         if contacts[k].state == ON and structure.runs.law[contacts[k].run, 0] == law.RIGID:
             square = 0.0
             sit(structure, contacts, state, k, state.s[k])
-            soften(structure, contacts, table, out, k, 0.0)
+            soften(structure, contacts, table, out, k, 0.0, 0)
             for a in range(r.shape[0]):
                 way = state.u[contacts[k].first + a] - contacts[k].p[a]
                 contacts[k].d[a] = way if contacts[k].apart == 0 else 0.0

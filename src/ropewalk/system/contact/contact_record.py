@@ -102,6 +102,7 @@ CONTACT = np.dtype(
         ("lagged", *_VECTOR),  # N, `carried` times d then
         ("was_axial", _REAL),  # J, energy stored along the line then
         ("kink", _REAL),  # m^2, K
+        ("kappa", _REAL),  # of its place without bending, for which it was sought last, see compliance.py
         ("beside", "f8", (3,)),  # m^2, what other kinks add to l^2/2 of the links below
         ("shares_links", _CODE),  # 1: others stand on these, too
         ("fade", _REAL),  # m^2/s, by which it straightens after the contact has left

@@ -48,6 +48,9 @@ FASTEST = 0.9025
 AGAIN, FOUND, ROUNDED = 40, 1e-9, 0.5
 # Kink over h^2 of a given force with which it is sought from none, and beyond which it is not.
 BEGIN, MOST = 5e-5, 5e5
+# Part of the kink from which on a step of Newton's method, that follows on the line without bending, changes the stiffness
+# by what its slope tells: what is missing is its square.
+SMALL = 1e-4
 TOGETHER = 1e-12  # the same of those that share links, where no last step of Newton's method makes it better
 
 
@@ -111,11 +114,11 @@ def _tension_under(structure, buffers, contacts, k, kink):
 
 
 @inlined
-def soften(structure, contacts, table, out, k, T):
+def soften(structure, contacts, table, out, k, T, again):
     """The same as of `_soften`; on inextensible lines in proportion to T."""
     run = contacts[k].run
     if structure.runs.law[run, 0] != law.RIGID:
-        return _soften(structure, contacts, table, out, k, T)
+        return _soften(structure, contacts, table, out, k, T, again)
     h, U = structure.runs.h[run], contacts[k].speed
     compliance(contacts[k].x, structure.runs.links[run], 0.0, table, out)
     kappa = max(out[0], LEAST)
@@ -124,14 +127,17 @@ def soften(structure, contacts, table, out, k, T):
     contacts[k].turn, contacts[k].carried = slope * T * out[2] / (kappa * h), 0.0
     if U != 0.0 and contacts[k].travel != FREE and T > 0.0:
         moving = min(structure.runs.rho[run] * U * U, FASTEST * T)
-        contacts[k].carried = slope * (T - (T - moving) / kinetic(moving / T, KINETIC))
+        contacts[k].carried = slope * (T - (T - moving) / kinetic(moving / T, KINETIC)[0])
     contacts[k].moving = slope * T - contacts[k].carried
     return slope
 
 
 @inlined
-def _soften(structure, contacts, table, out, k, T):
+def _soften(structure, contacts, table, out, k, T, again):
     """Stiffness of contact k under the tension T, at rest and carried along.
+
+    Args:
+        again: more than 0: the contact is where `out` was found for it.
 
     Returns:
         dS/dT of the kink that is carried along.
@@ -147,7 +153,9 @@ def _soften(structure, contacts, table, out, k, T):
     if contacts[k].kind == BODY:
         free += 0.5 * contacts[k].step ** 2 * (yields(structure, contacts, k) + contacts[k].light)
     whole = T + bending
-    S, slope, taken, contacts[k].curve = stiffness(whole, bending, h, n, 1.0, contacts[k].x, free, table, out)
+    S, slope, taken, contacts[k].curve = stiffness(
+        whole, bending, h, n, 1.0, contacts[k].x, free, again, table, out
+    )
     contacts[k].by_tension, contacts[k].firm = slope, S - T * slope
     contacts[k].turn = S * taken * out[2] / (max(out[0], LEAST) * h)
     contacts[k].moving, contacts[k].carried = S, 0.0
@@ -155,11 +163,13 @@ def _soften(structure, contacts, table, out, k, T):
         return slope
     moving = min(mass_near(structure.segments, structure.runs, run, contacts[k].x) * U * U, FASTEST * whole)
     less = max(T - moving, min(T, 0.0)) if bending > 0.0 else T - moving
-    factor = kinetic(moving / whole, KINETIC)
+    factor, change = kinetic(moving / whole, KINETIC)
     contacts[k].moving, slope, taken, _ = stiffness(
-        less + bending, bending, h, n, factor, contacts[k].x, free, table, out
+        less + bending, bending, h, n, factor, contacts[k].x, free, 1, table, out
     )
     contacts[k].carried = S - contacts[k].moving
+    if bending == 0.0 and moving < FASTEST * whole:
+        slope += contacts[k].moving / factor * change * moving / (whole * whole)
     return slope
 
 
@@ -185,13 +195,16 @@ def find_kink(structure, buffers, contacts, table, out, k, square, F):
     Returns:
         Changes of the stiffness with the tension, and of the tension with the kink; the square of d.
     """
-    h = structure.runs.h[contacts[k].run]
+    run, h = contacts[k].run, structure.runs.h[contacts[k].run]
     low, high, slope, change, step, before = 0.0, np.inf, 0.0, 0.0, 0.0, np.inf
     see_others(contacts, k, ON)
+    compliance(contacts[k].x, structure.runs.links[run], 0.0, table, out)
+    bends = bending_near(structure.segments, structure.runs, run, contacts[k].x) > 0.0
+    _begin_with(contacts, k, square, F, h, out[0])
     for _ in range(AGAIN):
         K = contacts[k].kink
         T, change = _tension_under(structure, buffers, contacts, k, K)
-        slope = soften(structure, contacts, table, out, k, T)
+        slope = soften(structure, contacts, table, out, k, T, 1)
         S, first, falls = contacts[k].moving, contacts[k].by_tension, -contacts[k].curve
         if F > 0.0:
             square = (F / S) ** 2 if S > 0.0 else np.inf
@@ -206,7 +219,7 @@ def find_kink(structure, buffers, contacts, table, out, k, square, F):
         else:
             low = K
         rise = max(1.0 + 0.5 * square * h * falls * change, 1.0)
-        if step != 0.0 and 0.5 < (miss - before) / (step * rise) < 2.0:  # with how a kink carried along depends on T
+        if bends and step != 0.0 and 0.5 < (miss - before) / (step * rise) < 2.0:  # how one carried along depends on T
             rise = (miss - before) / step
         new = K - miss / rise
         if F > 0.0 and miss < -K:  # where links are slack, the first steps are wild
@@ -216,9 +229,26 @@ def find_kink(structure, buffers, contacts, table, out, k, square, F):
             new = max(4.0 * K, BEGIN * h * h)
         contacts[k].kink = new if low <= new <= high else 0.5 * (low + high)
         step, before = contacts[k].kink - K, miss
+        if abs(step) <= SMALL * K and not bends and S > 0.0 and structure.runs.firm[run] == 0.0:
+            contacts[k].moving += slope * change * step
+            contacts[k].carried += (first - slope) * change * step
+            if F > 0.0:
+                square = (F / contacts[k].moving) ** 2
+            found = contacts[k].shares_links == 0
         if found:
             break
     return slope, change, square
+
+
+@inlined
+def _begin_with(contacts, k, square, F, h, kappa):
+    """Kink with which that of contact k is sought: the last one, for where it is now under the same tension."""
+    if contacts[k].kappa > 0.0:
+        if F > 0.0:
+            contacts[k].kink *= kappa / contacts[k].kappa
+        else:
+            contacts[k].kink = 0.5 * square * h * contacts[k].by_tension * contacts[k].kappa / max(kappa, LEAST)
+    contacts[k].kappa = kappa
 
 
 @lean_inner
@@ -228,7 +258,7 @@ def _stiffen_little(structure, buffers, contacts, table, out, k):
     for j in range(3):
         T += structure.runs.h[contacts[k].run] * contacts[k].part[j] * buffers.pull[contacts[k].link[j]]
         graded += contacts[k].change[j] * buffers.pull[contacts[k].link[j]]
-    _soften(structure, contacts, table, out, k, T)
+    _soften(structure, contacts, table, out, k, T, 0)
     contacts[k].firm += T * contacts[k].by_tension
     contacts[k].turn -= graded * contacts[k].by_tension
 
@@ -354,7 +384,7 @@ def _above(contacts, k, axes):
 @inlined
 def add_contact_forces(structure, buffers, contacts, state, table, out):
     """Forces of all contacts on their lines, added to those of the nodes; `room.pull` is known."""
-    axes = state.r.shape[0]
+    axes, is_little = state.r.shape[0], structure.about.links.size > 0
     for k in range(contacts.size):
         if contacts[k].state == AWAY:
             for a in range(axes):
@@ -365,13 +395,15 @@ def add_contact_forces(structure, buffers, contacts, state, table, out):
         run = contacts[k].run
         most = min(WIDTH, structure.runs.links[run] + 1)
         for j in range(3):
-            T += contacts[k].part[j] * buffers.tension[contacts[k].link[j]]
-            pull += contacts[k].part[j] * buffers.pull[contacts[k].link[j]]
+            link = contacts[k].link[j]
+            own = buffers.tension[link] if is_little else buffers.pull[link] * buffers.length[link]
+            T += contacts[k].part[j] * own
+            pull += contacts[k].part[j] * buffers.pull[link]
         contacts[k].tension = T
-        if structure.about.links.size > 0:
+        if is_little:
             _stiffen_little(structure, buffers, contacts, table, out, k)
         elif contacts[k].kind == BODY:
-            soften(structure, contacts, table, out, k, structure.runs.h[run] * pull)
+            soften(structure, contacts, table, out, k, structure.runs.h[run] * pull, 0)
         push, hauls = turned(contacts, k, axes), firmness_along(contacts, k) * contacts[k].axial
         for j in range(3):
             push += contacts[k].change[j] * buffers.pull[contacts[k].link[j]] * contacts[k].kink / structure.runs.h[run]

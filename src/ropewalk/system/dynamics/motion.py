@@ -18,7 +18,14 @@ from ropewalk.system.contact.contacts import add_contact_forces, bend
 from ropewalk.system.contact.friction import NOT, rub
 from ropewalk.system.contact.travel import fade, locate, pressed_energy
 from ropewalk.system.contact.yielding import stored_along, stored_beside
-from ropewalk.system.elements.cables import add_internal_forces, add_wind_forces, energy_of, guess, stretch_all
+from ropewalk.system.elements.cables import (
+    add_internal_forces,
+    add_wind_forces,
+    energy_of,
+    find_strains,
+    guess,
+    stretch_all,
+)
 from ropewalk.system.elements.inertia import kick_along
 from ropewalk.system.elements.saddles import add_saddle_forces, lie_on, rub_on_saddles, stored_in_saddles
 from ropewalk.system.elements.sheaves import (
@@ -113,6 +120,7 @@ def _look(structure, buffers, contacts, tables, bodies, state, table, out, dt, s
     if exist(structure.sheaves):
         state.work[RUBBED] += slip(structure.sheaves, structure.runs, state.r, RUBS)
     if steps <= LOOK:
+        find_strains(structure, buffers)
         stored = energy_of(structure, buffers, state.r) + stored_in(structure.surfaces, state.r)
         stored += stored_at(structure.sheaves, structure.runs, state.r) + stored_in_ties(structure.ties, state.r)
         stored += stored_in_saddles(structure.saddles, state.r)
@@ -191,6 +199,17 @@ def _kick_restraints(structure, buffers, state, h, dt, A, b):
                 for a in range(axes):
                     way = _displaced(restrained, e, a, t + 0.5 * h) - _displaced(restrained, e, a, t - 0.5 * h)
                     state.work[MOVED] -= b[a] * way
+            continue
+        gives = drag != 0.0 or M <= 0.0 or structure.inertia.restrained.shape[0] > 0 or rank < axes
+        for a in range(axes):
+            for c in range(axes):
+                gives = gives or restrained.damping[e, a, c] != 0.0 or restrained.stiffness[e, a, c] != 0.0
+        if not gives:  # nothing but inertia
+            for a in range(axes):
+                change = h * b[a] / M
+                buffers.reaction[e, a] += (M - restrained.mass[e]) * change / h
+                for i in range(restrained.first[e], restrained.first[e] + restrained.nodes[e]):
+                    v[a, restrained.node[i]] += change
             continue
         for a in range(axes):
             F = b[a]

@@ -57,14 +57,14 @@ def _bend(x, bent, begin, n):
 
 
 @lean_inner
-def _stretch(x, y, z, bx, by, bz, strain, length, begin, n, h, arcs):
-    """Lengths and strains of all links, arcs included, by places of nodes and their second differences."""
+def _stretch(x, y, z, bx, by, bz, length, begin, n, arcs):
+    """Lengths of all links, arcs included, by places of nodes and their second differences."""
     a, c = x[begin : begin + n + 1], z[begin : begin + n + 1]
     p, q = bx[begin : begin + n + 1], bz[begin : begin + n + 1]
-    e, c0 = strain[begin : begin + n], length[begin : begin + n]
+    c0 = length[begin : begin + n]
     if y is not None:
         b, o = y[begin : begin + n + 1], by[begin : begin + n + 1]
-    inverse, arc, short = 1.0 / h, 2.0 * arcs * ARC, 2.0 * arcs * SHORT_ARC
+    arc, short = 2.0 * arcs * ARC, 2.0 * arcs * SHORT_ARC
     for i in range(n):
         dx, dz, turn_x, turn_z = a[i + 1] - a[i], c[i + 1] - c[i], p[i + 1] - p[i], q[i + 1] - q[i]
         chord, bent = dx * dx + dz * dz, p[i] * p[i] + p[i + 1] * p[i + 1] + q[i] * q[i] + q[i + 1] * q[i + 1]
@@ -75,7 +75,6 @@ def _stretch(x, y, z, bx, by, bz, strain, length, begin, n, h, arcs):
             bent += o[i] * o[i] + o[i + 1] * o[i + 1]
             change += turn_y * turn_y
         c0[i] = np.sqrt(chord + arc * bent + short * change)
-        e[i] = c0[i] * inverse - 1.0
 
 
 @lean_inner
@@ -98,11 +97,11 @@ def _stretch_little(structure, buffers, r):
 
 @inlined
 def stretch_all(structure, buffers, r):
-    """Strain of all links without kinks; second differences of the nodes."""
+    """Lengths of all links without kinks, of what is linearised their strains; second differences of the nodes."""
     runs, last, bent, s = structure.runs, r.shape[0] - 1, buffers.bent, 0
     while s < runs.first.size:
         end = _alike(structure, s)
-        begin, h = runs.first[s], runs.h[s]
+        begin = runs.first[s]
         n = runs.first[end] + runs.links[end] - begin
         for a in range(last + 1):
             _bend(r[a], bent[a], begin, n)
@@ -112,17 +111,40 @@ def stretch_all(structure, buffers, r):
                 bent[a, k] = 2.0 * (r[a, k - 1] - r[a, k] - runs.turned[j, 1, a]) if runs.clamped[j, 1] == 1 else 0.0
         if structure.about.links.size == 0:
             if last == 1:
-                _stretch(
-                    r[0], None, r[1], bent[0], None, bent[1], buffers.strain, buffers.length, begin, n, h, runs.arcs[s]
-                )
+                _stretch(r[0], None, r[1], bent[0], None, bent[1], buffers.length, begin, n, runs.arcs[s])
             else:
-                _stretch(r[0], r[1], r[2], bent[0], bent[1], bent[2], buffers.strain, buffers.length, begin, n, h,
-                         runs.arcs[s])  # fmt: skip
+                _stretch(r[0], r[1], r[2], bent[0], bent[1], bent[2], buffers.length, begin, n, runs.arcs[s])
             for j in range(s, end):  # what is between two runs is no link
-                buffers.length[runs.first[j + 1] - 1] = buffers.strain[runs.first[j + 1] - 1] = 0.0
+                buffers.length[runs.first[j + 1] - 1] = 0.0
         s = end + 1
     if structure.about.links.size > 0:
         _stretch_little(structure, buffers, r)
+
+
+@lean_inner
+def find_strains(structure, buffers):
+    """Strains of all links, whose lengths are known."""
+    runs = structure.runs
+    if structure.about.links.size == 0:
+        for s in range(runs.first.size):
+            _strains(buffers.length, buffers.strain, runs.first[s], runs.links[s], runs.h[s])
+
+
+@lean_inner
+def _strains(length, strain, begin, n, h):
+    e, L, inverse = strain[begin : begin + n], length[begin : begin + n], 1.0 / h
+    for i in range(n):
+        e[i] = L[i] * inverse - 1.0
+
+
+@lean_inner
+def _pull_at_once(p, length, pull, begin, n, h):
+    """Tension over length of a cubic law in one go."""
+    L, q, inverse = length[begin : begin + n], pull[begin : begin + n], 1.0 / h
+    floor, c1, c2, c3 = p[1], p[2], p[3], p[4]
+    for i in range(n):
+        x = max(L[i] * inverse - 1.0, floor)
+        q[i] = x * (c1 + x * (c2 + x * c3)) / max(L[i], 1e-300)
 
 
 @lean_inner
@@ -237,10 +259,11 @@ def _changes(links, buffers, begin, n, h):
 
 @inlined
 def add_internal_forces(structure, buffers, r, dt):
-    """Add the forces of all runs, whose strains are known, to `room.force`.
+    """Add the forces of all runs, whose lengths are known, to `room.force`.
 
     Args:
-        dt: s, since strains were looked at before; 0: nothing has moved since.
+        dt: s, since strains were looked at before; 0: nothing has moved since, and strains and tensions of all
+            links are found, too, which hardly anybody asks for between outputs.
 
     Returns:
         Power that Kelvin-Voigt damping takes, W, and what hysteresis has lost since strains were looked at before, J.
@@ -251,10 +274,16 @@ def add_internal_forces(structure, buffers, r, dt):
         end = _alike(structure, s)
         begin, h = runs.first[s], runs.h[s]
         n = runs.first[end] + runs.links[end] - begin
+        at_once = dt != 0.0 and not small and runs.law[s, 0] == law.CUBIC
+        for j in range(s, end + 1):
+            at_once = at_once and runs.damping[j] == 0.0 and runs.hysteresis[j, 0] == 0.0
         if small:
             for j in range(s, end + 1):
                 _tensions_little(about.links, buffers, runs.first[j], runs.links[j])
+        elif at_once:
+            _pull_at_once(runs.law[s], buffers.length, buffers.pull, begin, n, h)
         else:
+            _strains(buffers.length, buffers.strain, begin, n, h)
             _tensions(runs.law[s], buffers.strain, buffers.tension, begin, n)
         for j in range(s, end + 1):
             if runs.hysteresis[j, 0] > 0.0:
@@ -266,7 +295,7 @@ def add_internal_forces(structure, buffers, r, dt):
                                 runs.links[j], dt)  # fmt: skip
             if small:
                 _changes(about.links, buffers, runs.first[j], runs.links[j], h)
-        if not small:
+        if not (small or at_once):
             _over_length(buffers.tension, buffers.length, buffers.pull, begin, n)
         x, bent, pull, stiff = r, buffers.bent, buffers.pull, 1.0 / (h * h * h)
         if not vary(structure.segments):
@@ -275,7 +304,8 @@ def add_internal_forces(structure, buffers, r, dt):
             if again == 1:  # by what changes, links pull at the places of rest
                 x, bent, pull, stiff = about.shape[0], about.shape[1], buffers.change, 0.0
             for j in range(s, end):  # what is between two runs is no link
-                pull[runs.first[j + 1] - 1] = 0.0
+                i = runs.first[j + 1] - 1
+                buffers.strain[i] = buffers.tension[i] = pull[i] = 0.0
             for a in range(last + 1):
                 _moments_along(structure.segments, bent[a], buffers.moment, pull, begin, n, stiff, runs.arcs[s])
                 for j in range(s, end + 1):

@@ -138,16 +138,16 @@ def compliance(x, n, root, table, out):
 
 @lean
 def kinetic(square, table):
-    """Factor of kappa at a square of alpha, see KINETIC."""
+    """Factor of kappa at a square of alpha, see KINETIC, and its change with that."""
     i, last = 0, table.shape[1] - 2
     while i < last and square > table[0, i + 1]:
         i += 1
-    part = min((square - table[0, i]) / (table[0, i + 1] - table[0, i]), 1.0)
-    return table[1, i] + part * (table[1, i + 1] - table[1, i])
+    slope = (table[1, i + 1] - table[1, i]) / (table[0, i + 1] - table[0, i])
+    return table[1, i] + slope * (min(square, table[0, i + 1]) - table[0, i]), slope
 
 
 @lean_inner
-def stiffness(whole, bending, h, n, factor, x, free, table, out):
+def stiffness(whole, bending, h, n, factor, x, free, again, table, out):
     """S = 1/(h kappa/whole + free), its change with the tension, the part of it that is not `free`, and its curvature.
 
     In compression it goes on in a straight line.
@@ -160,13 +160,14 @@ def stiffness(whole, bending, h, n, factor, x, free, table, out):
         factor: of kappa in tension, of a kink that is carried along.
         x: links along it.
         free: m/N, what else gives way.
+        again: more than 0: `out` is that of this place, which is what it was where nothing bends.
         table, out: see `compliance`; out is left as it was at x.
     """
     zeta, straight = 0.0, bending > 0.0 and whole <= bending
     if bending > 0.0:
         zeta = 1.0 if straight else bending / whole
     root = np.sqrt(zeta)
-    if bending > 0.0 or factor == 1.0:  # else it was looked up for the kink at rest
+    if bending > 0.0 or again == 0:
         compliance(x, n, root, table, out)
     kappa = max(out[0], LEAST)
     first, second = -out[1] / kappa**2, (2.0 * out[1] ** 2 / kappa - out[3]) / kappa**2  # of 1/kappa

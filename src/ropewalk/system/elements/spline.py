@@ -9,12 +9,30 @@ node, without curvature.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ropewalk.mechanics.compiled import lean, lean_inner
 
 # Nodes that share a point, one after the other.
 WIDTH = 8
 SHARPENED = 0.25
+
+
+def _within() -> NDArray[np.float64]:
+    """Parts of the eight nodes about a link that is far from ends, as polynomials of the place in it: (power, node)."""
+    basis = np.array([
+        (1.0, -5.0, 10.0, -10.0, 5.0, -1.0),
+        (26.0, -50.0, 20.0, 20.0, -20.0, 5.0),
+        (66.0, 0.0, -60.0, 0.0, 30.0, -10.0),
+        (26.0, 50.0, 20.0, -20.0, -20.0, 10.0),
+        (1.0, 5.0, 10.0, 10.0, 5.0, -5.0),
+        (0.0, 0.0, 0.0, 0.0, 0.0, 1.0),
+    ])  # fmt: skip
+    sharp = np.array([-SHARPENED, 1.0 + 2.0 * SHARPENED, -SHARPENED])
+    return np.array([np.convolve(power, sharp) for power in basis.T / 120.0])
+
+
+_WITHIN = _within()
 
 
 @lean_inner
@@ -60,6 +78,15 @@ def share(x, n, weight, slope):
     """
     i = min(max(int(np.floor(x)), 0), n - 1)
     base = max(min(i - 3, n + 1 - WIDTH), 0)
+    if 3 <= i <= n - 4:
+        f = x - i
+        for k in range(WIDTH):
+            c0, c1, c2, c3, c4, c5 = (
+                _WITHIN[0, k], _WITHIN[1, k], _WITHIN[2, k], _WITHIN[3, k], _WITHIN[4, k], _WITHIN[5, k],
+            )  # fmt: skip
+            weight[k] = c0 + f * (c1 + f * (c2 + f * (c3 + f * (c4 + f * c5))))
+            slope[k] = c1 + f * (2.0 * c2 + f * (3.0 * c3 + f * (4.0 * c4 + f * 5.0 * c5)))
+        return base
     for k in range(WIDTH):
         weight[k] = slope[k] = 0.0
     for k in range(6):
@@ -98,6 +125,12 @@ def share_curvature(x, n, base, second):
         second: (WIDTH,), overwritten, per link squared.
     """
     i = min(max(int(np.floor(x)), 0), n - 1)
+    if 3 <= i <= n - 4:
+        f = x - i
+        for k in range(WIDTH):
+            c2, c3, c4, c5 = _WITHIN[2, k], _WITHIN[3, k], _WITHIN[4, k], _WITHIN[5, k]
+            second[k] = 2.0 * c2 + f * (6.0 * c3 + f * (12.0 * c4 + f * 20.0 * c5))
+        return
     for k in range(WIDTH):
         second[k] = 0.0
     for k in range(6):

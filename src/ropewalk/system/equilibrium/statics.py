@@ -22,7 +22,7 @@ from ropewalk.system.contact.contact_record import BODY, ON
 from ropewalk.system.contact.contacts import add_contact_forces, bend
 from ropewalk.system.contact.yielding import axial_stiffness, stored_beside
 from ropewalk.system.elements.air import damping_by_wind
-from ropewalk.system.elements.cables import add_internal_forces, energy_of, stretch_all
+from ropewalk.system.elements.cables import add_internal_forces, energy_of, find_strains, stretch_all
 from ropewalk.system.elements.compliance import ARC, PART, SHORT_ARC, SMOOTH, compliances
 from ropewalk.system.elements.link_forms import LinkForms
 from ropewalk.system.elements.products import scaled
@@ -48,6 +48,7 @@ def _stretch(structure, buffers, contacts, state, table, out, how):
     """Strains of all links with the kinks under what stands on them."""
     runs, r = structure.runs, state.r
     stretch_all(structure, buffers, r)
+    find_strains(structure, buffers)
     stretch_over(structure.sheaves, runs, buffers, r)
     for k in range(contacts.size):
         if contacts[k].state == ON:
