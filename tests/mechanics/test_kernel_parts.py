@@ -111,3 +111,40 @@ def test_nothing_else_is_kept_with_the_parts(program, tmp_path):
     program("outer", "other")
     for file in tmp_path.glob("cache/*/parts/*"):
         assert kernel_parts.Stored(Path(file)).is_whole
+
+
+APART = """
+import numpy as np
+from ropewalk.mechanics.compiled import apart, inlined, lean
+
+@inlined
+def add(x, y):
+    for i in range(x.size):
+        y[i] += x[i]
+
+@apart
+def add_apart(x, y):
+    for i in range(x.size):
+        y[i] += x[i]
+
+@lean
+def outer(x, y):
+    add(x, y)
+    add_apart(x, y)
+
+y = np.zeros(3)
+outer(np.arange(3.0), y)
+print(*y)
+for f in add, add_apart:
+    text = str(next(iter(f.overloads.values())).library._get_module_for_linking())
+    print(next(line for line in text.splitlines() if line.startswith("define") and "add" in line).count("noalias"))
+"""
+
+
+def test_what_is_said_to_share_no_memory_does_so_for_the_compiler(tmp_path):
+    (tmp_path / "one.py").write_text(APART)
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    command = [sys.executable, str(tmp_path / "one.py")]
+    found = subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout.splitlines()
+    assert found[0] == "0.0 2.0 4.0"
+    assert int(found[2]) > int(found[1])  # besides where results go, the arrays

@@ -99,10 +99,18 @@ def test_the_pull_in_a_loop_over_time_equals_its_plain_twin_however_far_lengths_
     assert f[:, :-1] == pytest.approx(expected, rel=1e-10, abs=1e-10 * EA)
     assert total == pytest.approx(float((rate**2).sum()) if c else 0.0, rel=1e-9)
     assert np.all(f[:, -1] == 0.0)
+    lengths = np.sqrt((np.diff(r, axis=1) ** 2).sum(axis=0))
     if p[0] == law.CUBIC:
-        assert link.link_force_again(p, h, r, per_length, 3) * np.diff(r, axis=1)[:, 3] == pytest.approx(
-            plain(p, 0.0, h, r, w)[0][:, 3], rel=1e-10, abs=1e-10 * EA
-        )
+        assert per_length[:-1] * lengths == pytest.approx(np.ones(nodes - 1), abs=1e-10)
+
+
+@plane_and_space
+def test_the_rate_of_the_length_of_some_links_equals_its_plain_twin(dim: int) -> None:
+    r, w = chain(dim)
+    d, v = np.diff(r, axis=1)[:, 2:6], np.diff(w, axis=1)[:, 2:6]
+    expected = float(((d * v).sum(axis=0) / np.sqrt((d**2).sum(axis=0))).sum())
+    assert link.growth(2, 6, r, w) == pytest.approx(expected, rel=1e-13)  # a dozen roundings
+    assert link.growth(4, 4, r, w) == 0.0
 
 
 @every_law

@@ -107,15 +107,17 @@ class ChainBuffers(NamedTuple):
     """Room for a step, so that the loop allocates nothing."""
 
     per_length: Array  # (link,) 1/m, one over the length of each link when it was last looked at
-    q: Array  # (link,) N/m, tension over length of each link
+    q: Array  # (link,) N/m, tension over length of each link, of laws that are no cubic
     f: Array  # (axis, link) N, force vector of each link
     ahead: Array  # (axis, node) m/s, velocities extrapolated to the instant of the positions (damped lines only)
     target: Array  # (load,) m, xi at which the load's location on the chain has to change next
     dr: Array  # (axis, load) m, r_c - r_a before a drift
     dw: Array  # (axis, load) m/s, w_c - w_a before a kick
+    beside: Array  # (2, load) N, tension of the links behind and ahead of a riding node
     before: Array  # (load,) m/s, w along x of riding nodes before a kick
     point: Array  # (axis,)
     velocity: Array  # (axis,)
+    axes: tuple[int, ...]  # their numbers: how many there are is known when the loop is compiled
 
     @staticmethod
     def for_state(state: ChainState) -> ChainBuffers:
@@ -130,7 +132,9 @@ class ChainBuffers(NamedTuple):
             one,
             location,
             location.copy(),
+            np.zeros((2, loads)),
             one.copy(),
             axes,
             axes.copy(),
+            tuple(range(dim)),
         )

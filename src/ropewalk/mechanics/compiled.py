@@ -17,15 +17,15 @@ from numba.core import event as events
 
 from ropewalk.interrupts import note_compiling
 from ropewalk.mechanics.kernel_cache import keep
-from ropewalk.mechanics.kernel_parts import PartCompiler
+from ropewalk.mechanics.kernel_parts import ApartCompiler, PartCompiler
 
 config: Any = numba.config  # its stubs do not know what is read from the environment
 
 
-def njit(**options: Any) -> Any:
+def njit(compiler: type[PartCompiler] = PartCompiler, **options: Any) -> Any:
     """A decorator of kernels."""
     compiled: Any = numba.njit
-    return lambda function: keep(compiled(**options, pipeline_class=PartCompiler)(function))
+    return lambda function: keep(compiled(**options, pipeline_class=compiler)(function))
 
 
 _common: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True, "forceinline": False}
@@ -43,6 +43,14 @@ lean_inner: Any = njit(**_common, _nrt=False, fastmath=_fused, no_cpython_wrappe
 inlined: Any = njit(**{**_common, "forceinline": True}, _nrt=False, fastmath=_fused, no_cpython_wrapper=True)
 # Sums may be re-ordered so that loops with a sum vectorise; nothing may rely on the order.
 summing: Any = njit(**_common, _nrt=False, fastmath={"reassoc", *_fused})
+# A loop put whole into its caller, whose arrays share no memory: all of a link or a node is done in one go.
+apart: Any = njit(
+    ApartCompiler,
+    **{**_common, "forceinline": True},
+    _nrt=False,
+    fastmath={"reassoc", *_fused},
+    no_cpython_wrapper=True,
+)
 
 
 # Objects after which Python looks for cycles while it compiles: with its usual 700 that is a tenth of the time.

@@ -144,6 +144,15 @@ class PartCompiler(Compiler):
         return super().compile_extra(func)
 
 
+class ApartCompiler(PartCompiler):
+    """The same for functions whose arrays share no memory with each other: loops over them need not ask whether."""
+
+    def compile_extra(self, func: Any) -> Any:
+        """Compile a function of Python."""
+        self.state.flags.noalias = True
+        return super().compile_extra(func)
+
+
 def _environments(module: Any) -> dict[str, Any]:
     names = [variable.name for variable in module.global_variables if variable.name.startswith(_ENVIRONMENT)]
     return {name: found for name in names if (found := lookup_environment(name)) is not None}

@@ -15,13 +15,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ropewalk.mechanics.compiled import kernel
+from ropewalk.mechanics.compiled import kernel, lean
 
 CUBIC, SERIES, TABLE, RIGID = 0, 1, 2, 3
 NO_FLOOR = -1e300
 
 
-@kernel
+@lean
 def _segment(p, n, eps):
     """Index of the table's segment that holds eps (the first or last one beyond the ends)."""
     i = 0
@@ -30,12 +30,18 @@ def _segment(p, n, eps):
     return i
 
 
-@kernel
+@lean
 def tension(p, eps):
     """Tension T(eps) in N; of a rigid law NaN, or zero where it is slack."""
     if p[0] == CUBIC:
         e = max(eps, p[1])
         return e * (p[2] + e * (p[3] + e * p[4]))
+    return _other_tension(p, eps)  # apart, so that what is usual is short enough to be put into its callers
+
+
+@lean
+def _other_tension(p, eps):
+    """Tension of a law that is no cubic."""
     if p[0] == RIGID:
         return 0.0 if eps < 0.0 else np.nan
     n = int(p[1])
@@ -68,12 +74,18 @@ def tangent(p, eps):
     return (p[3 + n + i] - p[2 + n + i]) / (p[3 + i] - p[2 + i])
 
 
-@kernel
+@lean
 def stored(p, eps):
     """Stored energy per unstrained length W(eps), the integral of T from 0, in N (= J/m)."""
     if p[0] == CUBIC:
         e = max(eps, p[1])
         return e * e * (p[2] / 2.0 + e * (p[3] / 3.0 + e * p[4] / 4.0))
+    return _other_stored(p, eps)
+
+
+@lean
+def _other_stored(p, eps):
+    """Stored energy per unstrained length of a law that is no cubic."""
     if p[0] == RIGID:
         return 0.0
     n = int(p[1])

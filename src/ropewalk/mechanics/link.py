@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ropewalk.mechanics import law
-from ropewalk.mechanics.compiled import inlined, lean, summing
+from ropewalk.mechanics.compiled import apart, inlined, lean, summing
 from ropewalk.mechanics.law import CUBIC
 
 
@@ -33,6 +33,29 @@ def stretch_rate(r, w, i):
         square += d * d
         along += d * (w[a, i + 1] - w[a, i])
     return along / np.sqrt(square)
+
+
+@summing
+def _growth(i0, i1, r, w, space):
+    x, z, u, v = r[0, i0 : i1 + 1], r[-1, i0 : i1 + 1], w[0, i0 : i1 + 1], w[-1, i0 : i1 + 1]
+    if space is not None:
+        y, s = r[1, i0 : i1 + 1], w[1, i0 : i1 + 1]
+    total = 0.0
+    for i in range(i1 - i0):
+        dx, dz = x[i + 1] - x[i], z[i + 1] - z[i]
+        square, along = dx * dx + dz * dz, dx * (u[i + 1] - u[i]) + dz * (v[i + 1] - v[i])
+        if space is not None:
+            dy = y[i + 1] - y[i]
+            square += dy * dy
+            along += dy * (s[i + 1] - s[i])
+        total += along / np.sqrt(square)
+    return total
+
+
+@lean
+def growth(i0, i1, r, w):
+    """Rate of the length of the links i0 ... i1 - 1 together in m/s if their nodes move at w."""
+    return _growth(i0, i1, r, w, None) if r.shape[0] == 2 else _growth(i0, i1, r, w, True)
 
 
 @lean
@@ -84,47 +107,10 @@ def link_force_vectors(i0, i1, r, q, f):
 _TOO_FAR, _TOO_FAR_PER_LINK = 1e-8, 1e-13
 
 
-@summing
-def _improve(i0, i1, r, per_length, space):
-    """Improve guesses of 1 / length: y (1 - e)^(-1/2) with e = 1 - length^2 y^2, to the fourth power of e.
-
-    Returns:
-        The sum of e^4 over the links.
-    """
-    x, z, out = r[0, i0 : i1 + 1], r[-1, i0 : i1 + 1], per_length[i0:i1]
-    if space is not None:
-        y = r[1, i0 : i1 + 1]
-    total = 0.0
-    for i in range(i1 - i0):
-        dx, dz = x[i + 1] - x[i], z[i + 1] - z[i]
-        square = dx * dx + dz * dz
-        if space is not None:
-            dy = y[i + 1] - y[i]
-            square += dy * dy
-        guess = out[i]
-        e = 1.0 - square * guess * guess
-        out[i] = guess + guess * e * (0.5 + e * (0.375 + e * (0.3125 + e * 0.2734375)))
-        total += e * e * e * e
-    return total
-
-
 @lean
 def _invert(i0, i1, r, per_length):
     for i in range(i0, i1):
         per_length[i] = 1.0 / stretch(r, i)
-
-
-@lean
-def _find_inverse(i0, i1, r, per_length):
-    """Inverse lengths of the links from guesses: improved until they are right, and computed where that is hopeless."""
-    near = _TOO_FAR + _TOO_FAR_PER_LINK * (i1 - i0)
-    for _ in range(3):
-        total = _improve(i0, i1, r, per_length, None) if r.shape[0] == 2 else _improve(i0, i1, r, per_length, True)
-        if total < near:
-            return
-        if not total < 1e-2:  # an error of 30 % of one link, or not a number
-            break
-    _invert(i0, i1, r, per_length)
 
 
 @inlined
@@ -133,14 +119,72 @@ def _is_hooke(p):
     return p[1] < -1.0 and p[3] == 0.0 and p[4] == 0.0
 
 
-@lean
-def _hooke_link_forces(stiffness, h, i0, i1, r, per_length, f):
-    """Force vectors of undamped links that obey Hooke's law: EA (1/h - 1/length) times the link."""
-    slack = stiffness / h
-    for a in range(r.shape[0]):
-        x, fx, known = r[a, i0 : i1 + 1], f[a, i0:i1], per_length[i0:i1]
-        for i in range(i1 - i0):
-            fx[i] = (slack - stiffness * known[i]) * (x[i + 1] - x[i])
+@apart
+def _go_over(p, c, h, x, y, z, u, s, v, known, fx, fy, fz, straight):
+    """Force vectors of links of which guesses of 1 / length are known, which are improved.
+
+    y (1 - e)^(-1/2) with e = 1 - length^2 y^2 goes to the fourth power of e.
+
+    Args:
+        x, y, z: two times (link,) m, coordinates at the beginnings and the ends; y is None in the plane, and so is what
+            belongs to it. (With one array of all nodes the compiler keeps each for the next link, which costs more.)
+        u, s, v: two times (link,) m/s, velocities; None without damping.
+        known: (link,) 1/m.
+        fx, fy, fz: (link,) N, overwritten.
+        straight: None, or that the law is Hooke's for every length, which needs no strain.
+
+    Returns:
+        The sum of e^4 over the links, and that of eps_t^2 (0 without damping).
+    """
+    floor, c1, c2, c3, inverse = p[1], p[2], p[3], p[4], 1.0 / h
+    slack, missed, total = c1 * inverse, 0.0, 0.0
+    for i in range(known.size):
+        dx, dz, guess = x[1][i] - x[0][i], z[1][i] - z[0][i], known[i]
+        square = dx * dx + dz * dz
+        if y is not None:
+            dy = y[1][i] - y[0][i]
+            square += dy * dy
+        e = 1.0 - square * guess * guess
+        per_length = guess + guess * e * (0.5 + e * (0.375 + e * (0.3125 + e * 0.2734375)))
+        missed += e * e * e * e
+        known[i] = per_length
+        if straight is not None:
+            q = slack - c1 * per_length
+        else:
+            eps = max(square * per_length * inverse - 1.0, floor)
+            q = eps * (c1 + eps * (c2 + eps * c3)) * per_length
+        if u is not None:
+            along = dx * (u[1][i] - u[0][i]) + dz * (v[1][i] - v[0][i])
+            if y is not None:
+                along += dy * (s[1][i] - s[0][i])
+            rate = along * per_length * inverse
+            total += rate * rate
+            q += c * rate * per_length
+        fx[i], fz[i] = q * dx, q * dz
+        if y is not None:
+            fy[i] = q * dy
+    return missed, total
+
+
+@inlined
+def _both(r, a, i0, i1):
+    """Row a at the beginnings and at the ends of the links i0 ... i1 - 1."""
+    return r[a, i0:i1], r[a, i0 + 1 : i1 + 1]
+
+
+@inlined
+def _go_over_rows(p, c, h, i0, i1, r, w, per_length, f, straight):
+    """`_go_over` the links i0 ... i1 - 1."""
+    x, z, u, v = _both(r, 0, i0, i1), _both(r, -1, i0, i1), _both(w, 0, i0, i1), _both(w, -1, i0, i1)
+    known, fx, fz = per_length[i0:i1], f[0, i0:i1], f[-1, i0:i1]
+    if r.shape[0] == 2:
+        if c > 0.0:
+            return _go_over(p, c, h, x, None, z, u, None, v, known, fx, None, fz, straight)
+        return _go_over(p, c, h, x, None, z, None, None, None, known, fx, None, fz, straight)
+    y, s, fy = _both(r, 1, i0, i1), _both(w, 1, i0, i1), f[1, i0:i1]
+    if c > 0.0:
+        return _go_over(p, c, h, x, y, z, u, s, v, known, fx, fy, fz, straight)
+    return _go_over(p, c, h, x, y, z, None, None, None, known, fx, fy, fz, straight)
 
 
 @lean
@@ -229,28 +273,18 @@ def add_link_forces_again(p, c, h, i0, i1, r, w, per_length, q, f):
     Returns:
         Sum of eps_t^2 over the links (0 without damping).
     """
-    total = 0.0
     if p[0] != CUBIC:
         total = _each_link_force(p, c, h, i0, i1, r, w, q)
-    else:
-        _find_inverse(i0, i1, r, per_length)
-        if c == 0.0 and _is_hooke(p):
-            _hooke_link_forces(p[2], h, i0, i1, r, per_length, f)
-            return 0.0
-        total = _known_link_forces(p, c, h, i0, i1, r, w, per_length, q)
-    link_force_vectors(i0, i1, r, q, f)
+        link_force_vectors(i0, i1, r, q, f)
+        return total
+    near, total = _TOO_FAR + _TOO_FAR_PER_LINK * (i1 - i0), 0.0
+    for _ in range(5):
+        if _is_hooke(p):
+            missed, total = _go_over_rows(p, c, h, i0, i1, r, w, per_length, f, True)
+        else:
+            missed, total = _go_over_rows(p, c, h, i0, i1, r, w, per_length, f, None)
+        if missed < near:
+            break
+        if not missed < 1e-2:  # an error of 30 % of one link, or not a number
+            _invert(i0, i1, r, per_length)
     return total
-
-
-@lean
-def link_force_again(p, rest, r, per_length, i):
-    """`link_force` of an undamped link after `add_link_forces_again`, which has left its inverse length."""
-    if p[0] != CUBIC:
-        return link_force(p, 0.0, rest, 0.0, r, i)
-    square = 0.0
-    for a in range(r.shape[0]):
-        d = r[a, i + 1] - r[a, i]
-        square += d * d
-    known = per_length[i]
-    e = max(square * known / rest - 1.0, p[1])
-    return e * (p[2] + e * (p[3] + e * p[4])) * known

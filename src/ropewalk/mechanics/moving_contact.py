@@ -29,7 +29,7 @@ from ropewalk.mechanics.chain import (
     STAY,
 )
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
-from ropewalk.mechanics.link import stretch
+from ropewalk.mechanics.link import growth, stretch
 
 # A node is claimed only where this part of a link is left on both sides.
 CAPACITY = 0.45
@@ -177,12 +177,14 @@ def _arc_speed(strands, loads, state, k, V):
     s = loads.strand[k]
     r, w = state.r, state.w
     i, _ = sides(strands, loads, state, k)
-    rate = 0.0
-    for j in range(strands.first[s], i):
-        along = 0.0
-        for a in range(r.shape[0]):
-            along += (r[a, j + 1] - r[a, j]) * (node_velocity(state, j + 1, a) - node_velocity(state, j, a))
-        rate += along / stretch(r, j)
+    first = strands.first[s]
+    rate = growth(first, i, r, w)
+    for m in range(state.moving_load.size):  # nodes that ride move along the material as well
+        b = state.moving_load[m]
+        for j in range(max(b - 1, first), min(b + 1, i)):
+            part = state.speed[m] / stretch(r, j) * (1.0 if j < b else -1.0)
+            for a in range(r.shape[0]):
+                rate += part * (r[a, j + 1] - r[a, j]) * slope(r, state.X, b, a)
     b = state.moving_load[k]
     own, per_speed = 0.0, 0.0
     length = stretch(r, i)

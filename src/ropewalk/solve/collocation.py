@@ -32,7 +32,7 @@ from ropewalk.mechanics.chain import (
     Integers,
 )
 from ropewalk.mechanics.compiled import inner, kernel
-from ropewalk.mechanics.link import pull
+from ropewalk.mechanics.link import link_force, pull, stretch
 from ropewalk.mechanics.moving_contact import (
     force_at,
     has_arrived,
@@ -45,7 +45,7 @@ from ropewalk.mechanics.moving_contact import (
 )
 from ropewalk.solve.banded import substitute
 from ropewalk.solve.jacobian import shifted
-from ropewalk.solve.splitting import _add_forces_beside
+from ropewalk.solve.splitting import strain_rates
 from ropewalk.solve.stages import RADAU
 
 A, D = RADAU.A, RADAU.D
@@ -136,6 +136,27 @@ def stage_of(state, space, j):
         state.hold,
         state.work,
     )
+
+
+@inner
+def _add_forces_beside(p, c, h, r, w, X, moving_load, speed, q, b):
+    """Tension over length of the two links beside the riding node b, whose unstrained lengths are not h.
+
+    Returns:
+        What the damping of these two links adds to the sum of eps_t^2 over uniform links.
+    """
+    more = 0.0
+    first = b - 1
+    for k in range(moving_load.size):
+        if moving_load[k] == b - 1:  # the link behind is the one ahead of another load, which looks after it
+            first = b
+    for i in range(first, b + 1):
+        rest, rate = X[i + 1] - X[i], 0.0
+        if c > 0.0:
+            rate, uniform = strain_rates(r, w, X, moving_load, speed, i, stretch(r, i), h)
+            more += rate * rate * rest / h - uniform * uniform
+        q[i] = link_force(p, c, rest, rate, r, i)
+    return more
 
 
 @kernel

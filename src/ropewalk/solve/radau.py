@@ -36,8 +36,8 @@ from ropewalk.solve.splitting import (
     _gap,
     _is_due,
     _is_finite,
-    _loss,
     _take_locations,
+    loss,
 )
 
 # Entries of the workspace's memory.
@@ -186,7 +186,7 @@ def _accept(strands, loads, state, space, dt):
         settle_accounts(strands, loads, state, space, s, dt)
     for j in range(3):
         stage = stage_of(state, space, j)
-        state.work[CONTACT] += dt * A[2, j] * _loss(strands, loads, stage, stage.w)
+        state.work[CONTACT] += dt * A[2, j] * loss(strands, loads, stage, stage.w)
     space.last[:] = space.Z
     for a in range(state.r.shape[0]):
         for s in range(strands.first.size):

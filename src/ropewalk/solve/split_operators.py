@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ropewalk.mechanics.chain import FRICTIONLESS, HOLD_WORK, LINE_DAMPING, LOAD_WORK, MATERIAL, OFF, SHARED, STAY
-from ropewalk.mechanics.compiled import inlined, lean_inner
+from ropewalk.mechanics.compiled import apart, inlined, lean_inner, summing
 from ropewalk.mechanics.moving_contact import (
     even_out,
     force_at,
@@ -23,28 +23,54 @@ from ropewalk.mechanics.moving_contact import (
 from ropewalk.solve.ends import STRONGEST, kicked_velocity
 
 
-@inlined
-def _update(r, w, ahead, f, i0, i1, per_mass, gravity, kick, way, decay, lead, damped):
-    """Kick and drift the nodes between i0 and i1: w <- w + per_mass [f] + kick gravity, then along with drag
-    r <- r + way w, w <- decay w.
+@apart
+def _go_over(per_mass, gx, gy, gz, way, decay, lead, x, y, z, u, s, v, ux, sx, vx, fx, fy, fz):
+    """Kick and drift nodes: w <- w + per_mass [f] + kick g, then along with drag r <- r + way w, w <- decay w.
 
     Damped lines also want the velocities at the instant of the new positions: those of `ahead`, led on by `lead` kicks.
+
+    Args:
+        gx, gy, gz: m/s, gravity times the kick; gy is not looked at in the plane.
+        x, y, z, u, s, v: (node,) m and m/s, positions and velocities; y and s are None in the plane.
+        ux, sx, vx: (node,) m/s, those velocities, overwritten; None without damping.
+        fx, fy, fz: two times (node,) N, force vectors of the links behind and ahead.
     """
-    for a in range(w.shape[0]):
-        ra, wa, fa, ga = r[a, i0 + 1 : i1], w[a, i0 + 1 : i1], f[a, i0:i1], kick * gravity[a]
+    for i in range(x.size):
+        gain_x, gain_z = per_mass * (fx[1][i] - fx[0][i]) + gx, per_mass * (fz[1][i] - fz[0][i]) + gz
+        new_u, new_v = u[i] + gain_x, v[i] + gain_z
+        u[i], v[i] = decay * new_u, decay * new_v
+        x[i] += way * new_u
+        z[i] += way * new_v
+        if ux is not None:
+            ux[i], vx[i] = decay * (new_u + lead * gain_x), decay * (new_v + lead * gain_z)
+        if y is not None:
+            gain_y = per_mass * (fy[1][i] - fy[0][i]) + gy
+            new_s = s[i] + gain_y
+            s[i] = decay * new_s
+            y[i] += way * new_s
+            if ux is not None:
+                sx[i] = decay * (new_s + lead * gain_y)
+
+
+@inlined
+def _update(r, w, ahead, f, i0, i1, per_mass, gravity, kick, way, decay, lead, damped):
+    """`_go_over` the nodes between i0 and i1."""
+    j = i0 + 1
+    x, z, u, v = r[0, j:i1], r[-1, j:i1], w[0, j:i1], w[-1, j:i1]
+    fx, fz = (f[0, i0 : i1 - 1], f[0, j:i1]), (f[-1, i0 : i1 - 1], f[-1, j:i1])
+    ux, vx, gx, gz = ahead[0, j:i1], ahead[-1, j:i1], kick * gravity[0], kick * gravity[-1]
+    if r.shape[0] == 2:
         if damped:
-            out = ahead[a, i0 + 1 : i1]
-            for i in range(i1 - i0 - 1):
-                gain = per_mass * (fa[i + 1] - fa[i]) + ga
-                v = wa[i] + gain
-                out[i] = decay * (v + lead * gain)
-                wa[i] = decay * v
-                ra[i] += way * v
+            _go_over(per_mass, gx, 0.0, gz, way, decay, lead, x, None, z, u, None, v, ux, None, vx, fx, None, fz)
         else:
-            for i in range(i1 - i0 - 1):
-                v = wa[i] + (per_mass * (fa[i + 1] - fa[i]) + ga)
-                wa[i] = decay * v
-                ra[i] += way * v
+            _go_over(per_mass, gx, 0.0, gz, way, decay, lead, x, None, z, u, None, v, None, None, None, fx, None, fz)
+    else:
+        y, s, sx, gy = r[1, j:i1], w[1, j:i1], ahead[1, j:i1], kick * gravity[1]
+        fy = (f[1, i0 : i1 - 1], f[1, j:i1])
+        if damped:
+            _go_over(per_mass, gx, gy, gz, way, decay, lead, x, y, z, u, s, v, ux, sx, vx, fx, fy, fz)
+        else:
+            _go_over(per_mass, gx, gy, gz, way, decay, lead, x, y, z, u, s, v, None, None, None, fx, fy, fz)
 
 
 @inlined
@@ -56,13 +82,14 @@ def _drift_with_drag(drag, drift):
     return (1.0 - decay) / drag, decay
 
 
-@lean_inner
+@summing
 def _sum_of_squares(w, i0, i1):
     """Sum of the squared velocities of the nodes between i0 and i1."""
     total = 0.0
     for a in range(w.shape[0]):
-        for i in range(i0 + 1, i1):
-            total += w[a, i] * w[a, i]
+        v = w[a, i0 + 1 : i1]
+        for i in range(v.size):
+            total += v[i] * v[i]
     return total
 
 
@@ -98,14 +125,15 @@ def _kick_moving_load(strands, loads, state, buffers, k, kick, way, decay, lead,
     r, w, X, ahead, f, dr, dw = state.r, state.w, state.X, buffers.ahead, buffers.f, buffers.dr, buffers.dw
     b, U, s = state.moving_load[k], state.speed[k], loads.strand[k]
     m, span, work = strands.rho[s] * strands.h[s], X[b + 1] - X[b - 1], 0.0
+    per_mass, restore, rate = 1.0 / m, 1.0 / decay, U / span
     for a in range(r.shape[0]):
         F = force_at(loads, k, state.t[0], a)
         if ends is None:
-            after = (w[a, b + 1] - w[a, b - 1]) / decay
+            after = (w[a, b + 1] - w[a, b - 1]) * restore
         else:
             after = kicked_velocity(state, ends, b + 1, decay, a) - kicked_velocity(state, ends, b - 1, decay, a)
-        flux = kick * U / span * 0.5 * (dw[a, k] + after)
-        pulled = kick * ((f[a, b] - f[a, b - 1]) / m + strands.gravity[a])
+        flux = kick * rate * 0.5 * (dw[a, k] + after)
+        pulled = kick * ((f[a, b] - f[a, b - 1]) * per_mass + strands.gravity[a])
         impulse = kick * F
         if bodies is not None:  # a light wheel: its mass moves with the contact, at w + U r'
             M = bodies.wheels[k].mass[a]
@@ -115,17 +143,18 @@ def _kick_moving_load(strands, loads, state, buffers, k, kick, way, decay, lead,
                 / (m + M)
             )
             bodies.wheels[k].on_line[a] = impulse / kick
-        extra = impulse / m + flux
-        kicked = pulled + extra
-        w[a, b] += decay * extra
-        ahead[a, b] += decay * (1.0 + lead) * extra
+        extra = impulse * per_mass + flux
+        kicked, new = pulled + extra, w[a, b] + decay * extra
+        w[a, b] = new
         r[a, b] += way * extra
-        if a == 0:
-            buffers.before[k] = w[a, b] / decay - kicked
+        if strands.damping[s] > 0.0 or bodies is not None:
+            ahead[a, b] += decay * (1.0 + lead) * extra
         if a > 0 or loads.contact[k] != FRICTIONLESS:  # of that one the hold force decides how fast it moves along x
-            work += kick * F * (w[a, b] / decay - 0.5 * kicked + U * dr[a, k] / span)
+            work += kick * F * (new * restore - 0.5 * kicked + rate * dr[a, k])
+        else:
+            buffers.before[k] = new * restore - kicked
         if bodies is not None and decay < 1.0:
-            before, noted = w[a, b] / decay, w[a, b] - decay * extra
+            before, noted = new * restore, new - decay * extra
             lost = _spare(bodies.wheels[k].mass[a], m, before, way, decay, r, w, a, b)
             state.work[LINE_DAMPING] += lost - 0.5 * m * (1.0 / decay**2 - 1.0) * noted * noted
     return work
@@ -151,7 +180,7 @@ def _uneven(strands, state, s, b, node):
 
 
 @inlined
-def _shift_weight(strands, loads, state, buffers, k, kick, way, decay, lead):
+def _shift_weight(strands, loads, state, buffers, k, kick, way, decay, lead, bodies):
     """Weight of the nodes beside the riding node b: of half the links that they really have, not of uniform ones.
 
     Without it a load of no force at all would stir the rope it travels on.
@@ -161,12 +190,14 @@ def _shift_weight(strands, loads, state, buffers, k, kick, way, decay, lead):
     for side in (-1, 1):
         node = b + side
         if first < node < last:
-            part = _uneven(strands, state, s, b, node)
+            part = kick * _uneven(strands, state, s, b, node)
             for a in range(state.r.shape[0]):
-                extra = kick * part * strands.gravity[a]
-                state.w[a, node] += decay * extra
-                buffers.ahead[a, node] += decay * (1.0 + lead) * extra
-                state.r[a, node] += way * extra
+                if strands.gravity[a] != 0.0:
+                    extra = part * strands.gravity[a]
+                    state.w[a, node] += decay * extra
+                    state.r[a, node] += way * extra
+                    if strands.damping[s] > 0.0 or bodies is not None:
+                        buffers.ahead[a, node] += decay * (1.0 + lead) * extra
 
 
 @inlined
@@ -223,7 +254,7 @@ def kick_loads(strands, loads, state, buffers, kick, drift, lead, ends, bodies):
     for k in range(state.xi.size):
         way, decay = _drift_with_drag(strands.drag[loads.strand[k]], drift)
         if state.moving_load[k] >= 0:
-            _shift_weight(strands, loads, state, buffers, k, kick, way, decay, lead)
+            _shift_weight(strands, loads, state, buffers, k, kick, way, decay, lead, bodies)
             work += _kick_moving_load(strands, loads, state, buffers, k, kick, way, decay, lead, ends, bodies)
         elif state.moving_load[k] == SHARED:
             work += _kick_shared(strands, loads, state, buffers, k, kick, way, decay, lead, bodies)
@@ -234,8 +265,9 @@ def kick_loads(strands, loads, state, buffers, kick, drift, lead, ends, bodies):
 def _carry(r, X, dr, k, b, xi, way):
     """Carry the riding node b over the material by `way` along the line."""
     X[b] = xi
+    part = way * 0.5 / (X[b + 1] - X[b - 1])
     for a in range(r.shape[0]):
-        r[a, b] += way * 0.5 * (dr[a, k] + r[a, b + 1] - r[a, b - 1]) / (X[b + 1] - X[b - 1])
+        r[a, b] += part * (dr[a, k] + r[a, b + 1] - r[a, b - 1])
 
 
 @lean_inner
@@ -292,8 +324,10 @@ def move_loads(strands, loads, state, buffers, kick, drift):
         b, s = state.moving_load[k], loads.strand[k]
         if b <= OFF:
             continue
-        way, decay = _drift_with_drag(strands.drag[s], drift)
-        x = r[0, max(b, 0)] - way * w[0, max(b, 0)] / decay
+        x = 0.0  # of the node before the drift
+        if loads.contact[k] == FRICTIONLESS and b >= 0:
+            way, decay = _drift_with_drag(strands.drag[s], drift)
+            x = r[0, b] - way * w[0, b] / decay
         if loads.measure[k] == MATERIAL:
             step = _step_on(strands, loads, state, k, drift)
             state.xi[k] += step

@@ -12,7 +12,7 @@ import numpy as np
 from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import CONTACT, FRICTIONLESS, LINE_DAMPING, LOAD_WORK, OFF, SHARED
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
-from ropewalk.mechanics.link import add_link_forces_again, link_force, link_force_again, stretch, stretch_rate
+from ropewalk.mechanics.link import add_link_forces_again, stretch
 from ropewalk.mechanics.moving_contact import (
     ARRIVED,
     even_out,
@@ -44,41 +44,43 @@ from ropewalk.solve.split_operators import hold, kick_loads, move_loads, move_no
 RUNNING, END_OF_LINE, NOT_FINITE, TOO_MANY_STEPS, NO_CONVERGENCE, MET, ASKED = 0, 1, 2, 3, 4, 5, 6
 
 
-@lean_inner
-def _strain_rate(r, w, X, moving_load, speed, i):
-    """Strain rate of link i, whose ends may ride with loads."""
-    rest = X[i + 1] - X[i]
-    length = stretch(r, i)
-    along = length * stretch_rate(r, w, i)
+@inlined
+def strain_rates(r, w, X, moving_load, speed, i, length, h):
+    """Strain rate of link i, whose ends may ride with loads, and that of a link of h between ends that do not."""
+    per_rest, along, carried = 1.0 / (X[i + 1] - X[i]), 0.0, 0.0
     U0, U1 = mesh_speed(moving_load, speed, i), mesh_speed(moving_load, speed, i + 1)
     for a in range(r.shape[0]):
         d = r[a, i + 1] - r[a, i]
+        along += d * (w[a, i + 1] - w[a, i])
         if U1 != 0.0:
-            along += d * U1 * slope(r, X, i + 1, a)
+            carried += d * U1 * slope(r, X, i + 1, a)
         if U0 != 0.0:
-            along -= d * U0 * slope(r, X, i, a)
-    return (along / length - (U1 - U0) * length / rest) / rest
+            carried -= d * U0 * slope(r, X, i, a)
+    return ((along + carried) / length - (U1 - U0) * length * per_rest) * per_rest, along / (length * h)
 
 
-@lean_inner
-def _add_forces_beside(p, c, h, r, w, X, moving_load, speed, q, b):
-    """Tension over length of the two links beside the riding node b, whose unstrained lengths are not h.
+@inlined
+def _look_beside(strands, loads, state, buffers, k):
+    """Inverse lengths and tensions (`buffers.beside`) of the links beside the node of load k, which are not h long.
 
     Returns:
         What the damping of these two links adds to the sum of eps_t^2 over uniform links.
     """
-    more = 0.0
-    first = b - 1
-    for k in range(moving_load.size):
-        if moving_load[k] == b - 1:  # the link behind is the one ahead of another load, which looks after it
-            first = b
-    for i in range(first, b + 1):
-        rest, rate = X[i + 1] - X[i], 0.0
+    r, X, s, b = state.r, state.X, loads.strand[k], state.moving_load[k]
+    c, h, more = strands.damping[s], strands.h[s], 0.0
+    for side in range(2):
+        i = b - 1 + side
+        rest, length = X[i + 1] - X[i], stretch(r, i)
+        T = law.tension(strands.law[s], length / rest - 1.0)
         if c > 0.0:
-            rate = _strain_rate(r, w, X, moving_load, speed, i)
-            uniform = stretch_rate(r, w, i) / h
-            more += rate * rate * rest / h - uniform * uniform
-        q[i] = link_force(p, c, rest, rate, r, i)
+            rate, uniform = strain_rates(r, buffers.ahead, X, state.moving_load, state.speed, i, length, h)
+            T += c * rate
+            own = True  # a link between two loads is looked after by that behind
+            for j in range(state.moving_load.size):
+                own = own and (side == 1 or state.moving_load[j] != b - 1)
+            if own:
+                more += rate * rate * rest / h - uniform * uniform
+        buffers.per_length[i], buffers.beside[side, k] = 1.0 / length, T
     return more
 
 
@@ -137,14 +139,14 @@ def _take_locations(strands, loads, state, buffers):
 
 
 @inlined
-def _plan(rest, longest, target, xi, speed, moving_load):
-    """Length of the next step: equal steps up to the next event or to the end, none above `longest`."""
+def _plan(rest, per_longest, target, xi, speed, moving_load):
+    """Length of the next step: equal steps up to the next event or to the end, none above 1 / `per_longest`."""
     for k in range(xi.size):
         if moving_load[k] != OFF and speed[k] != 0.0:
             gap = _gap(target[k], xi[k], speed[k])
             if gap > 0.0:
                 rest = min(rest, gap / abs(speed[k]))
-    return rest / max(np.ceil(rest / longest - 1e-9), 1.0)
+    return rest / max(np.ceil(rest * per_longest - 1e-9), 1.0)
 
 
 @inlined
@@ -166,7 +168,35 @@ def _is_finite(r, w):
 
 
 @lean_inner
-def _loss(strands, loads, state, w, bodies=None):
+def _loss_at(strands, loads, state, w, k, bodies=None):
+    """Power lost at the contact of load k, W, see `loss`."""
+    r, X, s, b, U = state.r, state.X, loads.strand[k], state.moving_load[k], state.speed[k]
+    if b <= OFF or U == 0.0 or (b >= 0 and loads.contact[k] == FRICTIONLESS):  # its two sides are alike
+        return 0.0
+    behind, ahead, jump = b - 1, b, 0.0
+    if b == SHARED:  # between the links beyond its own
+        first, last = strands.first[s], strands.first[s] + strands.links[s]
+        i = location_of(X, state.xi[k], strands.h[s], first, last)
+        if i == first or i == last - 1:
+            for a in range(r.shape[0]):
+                F = force_at(loads, k, state.t[0], a) if bodies is None else bodies.wheels[k].on_line[a]
+                jump += F * (r[a, i + 1] - r[a, i]) / (X[i + 1] - X[i])
+            return U * jump
+        behind, ahead = i - 1, i + 1
+    p, c, h = strands.law[s], strands.damping[s], strands.h[s]
+    for i in (behind, ahead):
+        length = stretch(r, i)
+        lam = length / (X[i + 1] - X[i])
+        T = law.tension(p, lam - 1.0)
+        if c > 0.0:
+            T += c * strain_rates(r, w, X, state.moving_load, state.speed, i, length, h)[0]
+        own = law.stored(p, lam - 1.0) - T * lam + 0.5 * strands.rho[s] * U * U * lam * lam
+        jump += own if i == ahead else -own
+    return U * jump
+
+
+@lean_inner
+def loss(strands, loads, state, w, bodies=None):
     """Power lost at all contacts, W: U [W - T lam + rho U^2 lam^2 / 2], between the links behind and ahead of each.
 
     It is negative where a contact hides a motor: a force that stays vertical while it advances. T is the whole tension,
@@ -176,31 +206,26 @@ def _loss(strands, loads, state, w, bodies=None):
     Args:
         w: (axis, node) m/s, velocities of the material at the instant of the positions.
     """
-    total, r, X = 0.0, state.r, state.X
+    total = 0.0
     for k in range(state.xi.size):
-        s, b, U = loads.strand[k], state.moving_load[k], state.speed[k]
-        if b <= OFF or U == 0.0 or (b >= 0 and loads.contact[k] == FRICTIONLESS):  # its two sides are alike
-            continue
-        behind, ahead = b - 1, b
-        if b == SHARED:  # between the links beyond its own
-            first, last = strands.first[s], strands.first[s] + strands.links[s]
-            i = location_of(X, state.xi[k], strands.h[s], first, last)
-            if i == first or i == last - 1:
-                for a in range(r.shape[0]):
-                    F = force_at(loads, k, state.t[0], a) if bodies is None else bodies.wheels[k].on_line[a]
-                    total += U * F * (r[a, i + 1] - r[a, i]) / (X[i + 1] - X[i])
-                continue
-            behind, ahead = i - 1, i + 1
-        p, c, jump = strands.law[s], strands.damping[s], 0.0
-        for side in range(2):
-            i = behind if side == 0 else ahead
-            lam = stretch(r, i) / (X[i + 1] - X[i])
-            T = law.tension(p, lam - 1.0)
-            if c > 0.0:
-                T += c * _strain_rate(r, w, X, state.moving_load, state.speed, i)
-            own = law.stored(p, lam - 1.0) - T * lam + 0.5 * strands.rho[s] * U * U * lam * lam
-            jump += own if side == 1 else -own
-        total += U * jump
+        total += _loss_at(strands, loads, state, w, k, bodies)
+    return total
+
+
+@inlined
+def _loss_at_forces(strands, loads, state, buffers, bodies):
+    """`loss` when `_add_internal_forces` has just left the tensions of the links beside riding nodes."""
+    total = 0.0
+    for k in range(state.xi.size):
+        b, U, s = state.moving_load[k], state.speed[k], loads.strand[k]
+        if b < 0:
+            total += _loss_at(strands, loads, state, buffers.ahead, k, bodies)
+        elif loads.contact[k] != FRICTIONLESS:
+            p, inertia = strands.law[s], 0.5 * strands.rho[s] * U * U
+            behind = 1.0 / (buffers.per_length[b - 1] * (state.X[b] - state.X[b - 1]))
+            ahead = 1.0 / (buffers.per_length[b] * (state.X[b + 1] - state.X[b]))
+            total += U * (law.stored(p, ahead - 1.0) - buffers.beside[1, k] * ahead + inertia * ahead * ahead)
+            total -= U * (law.stored(p, behind - 1.0) - buffers.beside[0, k] * behind + inertia * behind * behind)
     return total
 
 
@@ -211,29 +236,26 @@ def _add_internal_forces(strands, loads, state, buffers, kick):
     Returns:
         What the damping takes from the motion during a kick, J.
     """
-    r, X, moving_load, per_length, q, f = state.r, state.X, state.moving_load, buffers.per_length, buffers.q, buffers.f
-    lost = 0.0
+    r, moving_load, f, lost = state.r, state.moving_load, buffers.f, 0.0
     for s in range(strands.first.size):
         p, c, h, first = strands.law[s], strands.damping[s], strands.h[s], strands.first[s]
-        last = first + strands.links[s]
+        last, more = first + strands.links[s], 0.0
+        if c > 0.0:
+            for k in range(moving_load.size):  # equal tensions need equal rates of the stretch, too
+                if loads.strand[k] == s and moving_load[k] >= 0 and loads.contact[k] == FRICTIONLESS:
+                    buffers.ahead[0, moving_load[k]] = even_velocity(state, buffers.ahead, moving_load[k])
         for k in range(moving_load.size):  # beside a load, lengths change too fast for a guess
-            b = moving_load[k]
-            if first < b < last:
-                per_length[b - 1], per_length[b] = 1.0 / stretch(r, b - 1), 1.0 / stretch(r, b)
-                if c > 0.0 and loads.contact[k] == FRICTIONLESS:  # equal tensions need equal rates of the stretch, too
-                    buffers.ahead[0, b] = even_velocity(state, buffers.ahead, b)
-        square = add_link_forces_again(p, c, h, first, last, r, buffers.ahead, per_length, q, f)
+            if loads.strand[k] == s and moving_load[k] >= 0:
+                more += _look_beside(strands, loads, state, buffers, k)
+        square = add_link_forces_again(p, c, h, first, last, r, buffers.ahead, buffers.per_length, buffers.q, f)
         for k in range(moving_load.size):
-            b = moving_load[k]
-            if first < b < last:
-                if c == 0.0:
-                    for i in range(b - 1, b + 1):
-                        q[i] = link_force_again(p, X[i + 1] - X[i], r, per_length, i)
-                else:
-                    square += _add_forces_beside(p, c, h, r, buffers.ahead, X, moving_load, state.speed, q, b)
-                for a in range(r.shape[0]):
-                    for i in range(b - 1, b + 1):
-                        f[a, i] = q[i] * (r[a, i + 1] - r[a, i])
+            if loads.strand[k] == s and moving_load[k] >= 0:
+                for side in range(2):
+                    i = moving_load[k] - 1 + side
+                    pull = buffers.beside[side, k] * buffers.per_length[i]
+                    for a in range(r.shape[0]):
+                        f[a, i] = pull * (r[a, i + 1] - r[a, i])
+        square += more
         lost += kick * c * h * square
     return lost
 
@@ -258,6 +280,8 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
         state.t, state.r, state.w, state.xi, state.speed, state.moving_load, state.work,
     )  # fmt: skip
     target, stages, steps = buffers.target, drifts.size, 0
+    if r.shape[0] != len(buffers.axes) or w.shape[0] != len(buffers.axes):  # it never is: the compiler learns a number
+        return NOT_FINITE, 0
     end, tolerance = until - 1e-12 * max(1.0, abs(until)), np.inf
     for s in range(strands.h.size):
         tolerance = min(tolerance, ARRIVED * strands.h[s])
@@ -273,15 +297,14 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
         allowed = longest
         if ends is not None:
             allowed *= near_supports(strands, loads, state)
-        dt = _plan(until - time[0], allowed, target, xi, speed, moving_load)
+        per_longest = 1.0 / allowed
+        dt = _plan(until - time[0], per_longest, target, xi, speed, moving_load)
         kick, t_w, over, before, following = kicks[0] * dt, time[0], False, 0.0, 0.0
         _copy(w, buffers.ahead)
         if bodies is not None:
             begin_bodies(strands, loads, state, buffers, bodies)
         while not over:
             begin = time[0]
-            # half the step before and half of this
-            work[CONTACT] += 0.5 * (before + dt) * _loss(strands, loads, state, buffers.ahead, bodies)
             for stage in range(stages + 1):
                 if stage < stages:
                     drift = drifts[stage] * dt
@@ -293,13 +316,15 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
                     if bodies is not None and not over:
                         over = is_body_due(strands, loads, state, bodies)
                     if not over:
-                        following = _plan(until - time[0], allowed, target, xi, speed, moving_load)
+                        following = _plan(until - time[0], per_longest, target, xi, speed, moving_load)
                         kick += kicks[0] * following
                         break
                     drift = 0.0
                 # The velocities belong to t_w; damping wants them at the next instant at which it is evaluated.
                 lead = (time[0] + drift - t_w - kick) / kick
                 work[LINE_DAMPING] += _add_internal_forces(strands, loads, state, buffers, kick)
+                if stage == 0:  # half the step before and half of this
+                    work[CONTACT] += 0.5 * (before + dt) * _loss_at_forces(strands, loads, state, buffers, bodies)
                 if bodies is not None:
                     add_body_forces(strands, loads, state, buffers, bodies, kick, lead)
                 for k in range(xi.size):
@@ -328,7 +353,7 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
             before, dt = dt, following
             if steps % 64 == 0 and not _is_finite(r, w):
                 return NOT_FINITE, steps
-        work[CONTACT] += 0.5 * before * _loss(strands, loads, state, buffers.ahead, bodies)
+        work[CONTACT] += 0.5 * before * loss(strands, loads, state, buffers.ahead, bodies)
         _even_out_all(strands, loads, state, buffers, kick)
         if bodies is not None:
             hold_bodies(loads, state, buffers, bodies)
