@@ -25,7 +25,8 @@ ORDERS = {"implicit": 5.0, "rkn6": 6.0}
 
 
 def rope(load: dict[str, Any] | None, run: dict[str, Any], **line: Any) -> Scenario:
-    own = {"start": [0, 0], "end": [10, 0], "length": 11.0, "mass": 1.0, "elements": 12, "law": {"kind": "inextensible"}}
+    own = {"start": [0, 0], "end": [10, 0], "length": 11.0, "mass": 1.0, "elements": 12}
+    own |= {"law": {"kind": "inextensible"}}
     loads = {"load": {"on": "rope", **load}} if load else {}
     asked = {"kind": "dynamic", "until": UNTIL, "every": UNTIL, **run}
     return Scenario.model_validate({"lines": {"rope": own | line}, "loads": loads, "run": asked})
@@ -44,7 +45,8 @@ def end_of(load: dict[str, Any] | None, method: str, steps: int, **keys: Any) ->
 
 def away(one: Any, other: Any) -> np.ndarray:
     """How far places, velocities and tensions of two frames differ."""
-    return np.array([np.abs(getattr(one, key) - getattr(other, key)).max() for key in ("position", "velocity", "tension")])
+    seen = ("position", "velocity", "tension")
+    return np.array([np.abs(getattr(one, key) - getattr(other, key)).max() for key in seen])
 
 
 @pytest.mark.parametrize("method", ORDERS)

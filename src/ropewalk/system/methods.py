@@ -82,7 +82,7 @@ def _not_smooth(parts: Parts) -> Iterator[tuple[str, str]]:
         yield "a payload whose rope is taken in", "leave hoist out"
     for line in parts.lines.values():
         ends = () if line is None or not isinstance(line.law, Inextensible) else line.ends()
-        if any(isinstance(support, Moving) for _, support in ends):  # from entry to entry its speed jumps, and all with it
+        if any(isinstance(support, Moving) for _, support in ends):  # whose speed jumps, and all with it
             yield "a support that moves an inextensible line", "give the line an axial_stiffness with law hooke"
     for load in parts.loads.values():
         if load is None:

@@ -23,8 +23,8 @@ from ropewalk.system.elements.ties import damp_ties
 from ropewalk.system.loads.bodies import STAYS
 from ropewalk.system.loads.loaded_structure import LoadedStructure, gathered
 
-# Parts of a step over which strains are differenced along their velocities, once and twice: rounding is as small as what
-# it cuts off.
+# Parts of a step over which strains are differenced along their velocities, once and twice: rounding is as small as
+# what it cuts off.
 _LITTLE, _WIDE = 1e-3, 0.1
 
 
