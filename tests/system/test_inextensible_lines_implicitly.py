@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from ropewalk.checkpoint import copied
 from ropewalk.model import Scenario
 from ropewalk.results.frame import ENERGY_FORMS, RunInfo
 from ropewalk.results.running import TimeHistory
@@ -108,3 +109,18 @@ def test_a_rope_that_stretches_may_be_joined_to_one_that_does_not() -> None:
         found.append(TimeHistory(motion, run_info).last())
     print(away(*found))
     assert (away(*found)[:2] < (1e-5, 1e-3)).all()
+
+
+def test_a_motion_goes_on_from_its_state_to_the_bit() -> None:
+    """Tensions are a part of it: the next step begins with them."""
+    times, asked = np.linspace(0.0, UNTIL, 5), rope(GOES, {"method": "implicit"})
+    first, second = (SystemMotion(asked, RunInfo(), times) for _ in range(2))
+    for i in range(3):
+        assert first.advance(i) is None
+    second.set_state(copied(first.get_state()))
+    for motion in (first, second):
+        for i in (3, 4):
+            assert motion.advance(i) is None
+    for own, other in zip(first.carrier.system.state, second.carrier.system.state, strict=True):
+        np.testing.assert_array_equal(own, other)
+    np.testing.assert_array_equal(first.tension, second.tension)
