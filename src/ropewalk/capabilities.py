@@ -123,6 +123,7 @@ def _of_beams(parts: Parts) -> Engine:
     run, better = parts.run, False
     if isinstance(run, Dynamic):
         better = slack or (parts.is_supported and not _is_linearised(parts) and run.axial_inertia == 1.0)
+        better = better or run.method == "verlet"  # by name; what wires take by themselves is the same method
     return SYSTEM if refused < _refused(WIRES, parts) or (better and not refused) else WIRES
 
 

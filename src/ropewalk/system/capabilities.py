@@ -167,6 +167,11 @@ def _by_steps(run: Dynamic, what: str) -> Iterator[Finding]:
     """What moves by plain steps with its own inertia, all of it."""
     if run.method in HIGH_ORDER:
         yield missing(("run", "method"), what, run.method, "use auto or verlet")
+    yield from _all_of_it(run, what)
+
+
+def _all_of_it(run: Dynamic, what: str) -> Iterator[Finding]:
+    """What moves with its own inertia, all of it."""
     if run.window is not None:
         yield missing(("run", "window"), what, "a window", "leave it out")
     if run.axial_inertia != 1.0:
@@ -218,7 +223,7 @@ def _inextensible(parts: Parts) -> Iterator[Finding]:
                 yield missing(("lines", name, key), what, f"{getattr(line, key):g}", remedy)
     if not found or not isinstance(run, Dynamic):
         return
-    yield from _by_steps(run, what)
+    yield from _all_of_it(run, what)
     for name, load in parts.loads.items():
         if getattr(load, "contact", None) in RUBBING:
             remedy = "write clamped or frictionless, or give an axial_stiffness with law hooke"

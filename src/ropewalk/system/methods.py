@@ -13,12 +13,14 @@ from typing import Any
 
 from ropewalk.model._base import Finding
 from ropewalk.model.footsteps import Footsteps
+from ropewalk.model.law import Inextensible
 from ropewalk.model.load import RUBBING, AnyLoad, ExternalModel, GivenForces
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.missing import missing
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import HIGH_ORDER, Dynamic
 from ropewalk.model.scenario import Scenario
+from ropewalk.model.support import Moving
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.walker import Walker
 
@@ -44,7 +46,9 @@ def of_methods(parts: Parts) -> Iterator[Finding]:
 
 
 def first_damper(parts: Parts) -> str | None:
-    """What depends on velocities, if anything does, as messages name it."""
+    """What depends on velocities, if anything does, or keeps lengths, as messages name it."""
+    if parts.has_inextensible:
+        return "lines that do not stretch"
     if parts.is_airy:
         return "wind"
     for part in (*parts.lines.values(), *parts.nets.values()):
@@ -76,6 +80,10 @@ def _not_smooth(parts: Parts) -> Iterator[tuple[str, str]]:
         yield "a profile", "leave profile out"
     if parts.has_hoists:  # springs that change in time
         yield "a payload whose rope is taken in", "leave hoist out"
+    for line in parts.lines.values():
+        ends = () if line is None or not isinstance(line.law, Inextensible) else line.ends()
+        if any(isinstance(support, Moving) for _, support in ends):  # whose speed jumps, and all with it
+            yield "a support that moves an inextensible line", "give the line an axial_stiffness with law hooke"
     for load in parts.loads.values():
         if load is None:
             continue

@@ -110,7 +110,7 @@ def _on_inner_supports(parts: Parts) -> Iterator[Finding]:
 MOTION = Capabilities(
     _BEAMS,
     only={
-        "run.method": ("auto", "explicit"),
+        "run.method": ("auto", "explicit", "verlet"),  # Störmer's is Verlet's
         "run.start.whirl": (False,),
         "run.accuracy": (None,),
         "lines.law.kind": ("hooke",),

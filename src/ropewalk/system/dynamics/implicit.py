@@ -9,7 +9,8 @@ balance of forces for each stage. Its Jacobian
 falls apart into the modes of D. It has K and C of rest (`statics.py`), for the contacts as they stand; Newton's method
 keeps it as long as it converges.
 Forces are those of the kernels (`motion.GIVEN`), with dampers at the velocities of the stage. Coordinates without mass
-have an equation without acceleration. Steps end where contacts come, leave or stop (`arrivals.py`).
+have an equation without acceleration; multipliers of inextensible links have that of their lengths (`kept_lengths.py`).
+Steps end where contacts come, leave or stop (`arrivals.py`).
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy.sparse as sparse
 from scipy.sparse.linalg import splu
 
 from ropewalk.mechanics.chain import Array
@@ -28,6 +30,7 @@ from ropewalk.system.contact.arrivals import next_change
 from ropewalk.system.contact.contact_record import ON
 from ropewalk.system.dynamics import motion
 from ropewalk.system.dynamics.carrier import System
+from ropewalk.system.dynamics.kept_lengths import KeptLengths
 from ropewalk.system.dynamics.rates import Forces, Powers
 from ropewalk.system.elements.structure import STRUCK, WORKS
 from ropewalk.system.equilibrium.statics import SystemPotential
@@ -76,6 +79,7 @@ class Implicit:
         self.memory = np.array([self._first])  # s, the step to try next
         self.steps = 0
         self._forces = Forces(system, self._loaded)
+        self._lengths = KeptLengths(system, self._potential, self._forces)
         self._arrange()
 
     def to(self, end: float) -> int:
@@ -113,8 +117,10 @@ class Implicit:
         stays[: bodies.load.size] = bodies.gone[bodies.load] == 0
         begin = free.shape[1] - int(self._loaded.moves.sum())
         self._kept = np.concatenate([np.arange(begin), begin + np.flatnonzero(stays[self._loaded.moves])])
-        self._free = free[:, self._kept].tocsc()
-        self._to_unknowns = splu((self._free.T @ self._free).tocsc())
+        none = sparse.csc_matrix((free.shape[0], self._lengths.count))  # multipliers move nothing
+        self._free = sparse.hstack([free[:, self._kept], none], format="csc")
+        alone = np.concatenate([np.zeros(self._kept.size), np.ones(self._lengths.count)])
+        self._to_unknowns = splu((self._free.T @ self._free + sparse.diags(alone)).tocsc())
         self._gone = self._forces.taken()[1]  # m/s, of loads that are gone, which keep theirs
         self._gone[: self.system.state.r.size] = 0.0
         self._gone[np.unique(self._free.indices)] = 0.0
@@ -127,11 +133,11 @@ class Implicit:
         loaded.stand_as(self.system.state, self.system.contacts)
         loaded.contacts["speed"] = self.system.contacts["speed"]
         potential.arrange()
-        shape = potential.taken()
-        self._K, self._C, self._M = (
+        shape, self._G = potential.taken(), self._lengths.linearise(kept)
+        self._K, self._C, self._M = self._lengths.bordered(self._G, *(
             matrix[kept][:, kept].tocsc()
             for matrix in (potential.stiffness(shape), potential.damping(shape), potential.masses())
-        )
+        ))  # fmt: skip
         self._factored = 0.0
 
     def _factor(self, dt: float) -> tuple[Callable[[Any], Any], ...]:
@@ -177,38 +183,56 @@ class Implicit:
         forces, state, t = self._forces, self.system.state, float(self.system.state.t[0])
         contacts = self.system.contacts.copy()
         shape, rates = forces.taken()
-        v = self._to_unknowns.solve(self._free.T @ rates)
+        v, self._pulls = self._to_unknowns.solve(self._free.T @ rates), self._lengths.pulls
         Z = self._newton(t, dt, shape, v)
         if Z is None:
             self._last, self.memory[0] = None, 0.4 * dt
-            forces.at(t, shape, rates)
+            self._back(t, shape, rates)
             self._linearise()
             return None
         error = self._error(dt, Z, v, before)
         if not error <= 1.0:
-            forces.at(t, shape, rates)
+            self._back(t, shape, rates)
             self.memory[0] = dt * max(0.2, SAFETY * error**-0.25)
             return None
         V = self._method.D @ Z / dt
         acceleration = self._free @ (self._method.D[-1] @ (V - v) / dt)
         powers, work = Powers(forces, contacts), np.zeros(WORKS)
         for j in range(Z.shape[0]):
+            self._lengths.pull(self._pulls + Z[j, self._kept.size :])
             powers.see(*self._stage(t, dt, shape, Z, V, j))
         for weight, power in zip(self._method.A[-1], powers.at_stages(dt, self._method.D), strict=True):
             work += dt * weight * power
         state.work[:] += work
+        force = powers.force
+        if self._lengths.count or not self._quick:
+            self._linearise()
+        if n := self._lengths.count:
+            own = self._G, self._M[:-n, :-n], self._free[:, :-n]
+            force, acceleration = self._lengths.settle(*own, acceleration)
         forces.react(acceleration)
         self._last, self.steps = _Taken(dt, Z), self.steps + 1
         self.memory[0] = min(dt * min(GROWTH, SAFETY * max(error, 1e-12) ** -0.25), self._longest)
-        if not self._quick:
-            self._linearise()
-        return np.asarray(self._free.T @ powers.force)
+        return np.asarray(self._free.T @ force)
+
+    def _back(self, t: float, shape: Array, rates: Array) -> None:
+        """Be again as before a step that was too long."""
+        self._lengths.pull(self._pulls)
+        self._forces.at(t, shape, rates)
 
     def _stage(self, t: float, dt: float, shape: Array, Z: Array, V: Array, j: int) -> tuple[float, Array, Array]:
         """Time, places and velocities of everything at stage j."""
         when = t + self._method.C[j] * dt
         moved = shape + self._free @ Z[j] + self._forces.driven(when) - self._forces.driven(t)
         return when, moved, self._free @ V[j] + self._forces.driven_rates(when) + self._gone
+
+    def _left(self, t: float, shape: Array, rates: Array, z: Array) -> Array:
+        """Forces on the unknowns at a stage whose unknowns have gone by z, N, and what lengths miss there, m^2."""
+        n = self._kept.size
+        self._lengths.pull(self._pulls + z[n:])
+        out = np.asarray(self._free.T @ self._forces.at(t, shape, rates))
+        out[n:] = -self._lengths.misses()
+        return out
 
     def _guess(self, dt: float, v: Array) -> Array:
         """Stages as the polynomial of the step before goes on."""
@@ -232,9 +256,7 @@ class Implicit:
         for iteration in range(_MOST):
             V = D @ Z / dt
             M_a = self._M @ (D @ (V - v) / dt).T
-            g = np.array([
-                self._free.T @ self._forces.at(*self._stage(t, dt, shape, Z, V, j)) - M_a[:, j] for j in range(len(Z))
-            ])  # fmt: skip
+            g = np.array([self._left(*self._stage(t, dt, shape, Z, V, j), Z[j]) - M_a[:, j] for j in range(len(Z))])
             if not np.isfinite(g).all():
                 return None
             step = np.zeros_like(Z)

@@ -151,7 +151,7 @@ class SystemMotion:
             )  # fmt: skip
             self._crabs.reach(self._locate)
         self._stand(with_loads=asked.start.with_loads)
-        run_info.step = self._step = min(self._step, self._allowed())
+        run_info.step = self._step = min(self._step, self._allowed()) if stages is None else self._step
         self._lead()
         self._window = None if asked.window is None else Window.of(scenario, self.assembled, asked.window)
         self._implicit: Implicit | None = None

@@ -6,7 +6,7 @@ here all of that is a function of places and velocities.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -23,8 +23,9 @@ from ropewalk.system.elements.ties import damp_ties
 from ropewalk.system.loads.bodies import STAYS
 from ropewalk.system.loads.loaded_structure import LoadedStructure, gathered
 
-# Part of a step over which strains are differenced along their velocities: rounding is as small as what it cuts off.
-_LITTLE = 1e-3
+# Parts of a step over which strains are differenced along their velocities, once and twice: rounding is as small as
+# what it cuts off.
+_LITTLE, _WIDE = 1e-3, 0.1
 
 
 @lean
@@ -114,15 +115,33 @@ class Forces:
         state.u[:], state.w[:] = shape[nodes : nodes + own], rates[nodes : nodes + own]
         self.system.advance(0.0, motion.GIVEN)
 
+    def differenced(self, t: float, shape: Array, rates: Array, seen: Callable[[], Array]) -> Array:
+        """Rate at time t in s of what is seen as everything goes on at these rates, per second."""
+        total = np.zeros_like(seen())
+        for side, part in self._sides(t):
+            self._look(t + side * self._little, shape + side * self._little * rates, rates)
+            total += part * seen()
+        return total / (2.0 * self._little)
+
+    def bent(self, t: float, shape: Array, rates: Array, seen: Callable[[], Array]) -> Array:
+        """The same of the rate, at constant rates of everything, per second squared."""
+        wide = self._little * _WIDE / _LITTLE
+        sides: tuple[tuple[float, float], ...] = ((1.0, 1.0), (0.0, -2.0), (-1.0, 1.0))
+        if t - wide < self._span[0] or t + wide > self._span[1]:
+            way = 1.0 if t - wide < self._span[0] else -1.0
+            sides = (0.0, 2.0), (way, -5.0), (2.0 * way, 4.0), (3.0 * way, -1.0)
+        total = np.zeros_like(seen())
+        for side, part in sides:
+            self._look(t + side * wide, shape + side * wide * rates, rates)
+            total += part * seen()
+        return total / wide**2
+
     def at(self, t: float, shape: Array, rates: Array) -> Array:
         """Forces at time t in s, N; the state is left there."""
         buffers, state, structure = self.system.buffers, self.system.state, self.system.structure
         if self._damped_links.any():
-            buffers.rate[:], total = 0.0, np.zeros_like(buffers.rate)
-            for side, part in self._sides(t):
-                self._look(t + side * self._little, shape + side * self._little * rates, rates)
-                total += part * buffers.strain
-            buffers.rate[:] = total / (2.0 * self._little)
+            buffers.rate[:] = 0.0
+            buffers.rate[:] = self.differenced(t, shape, rates, lambda: buffers.strain)
         self._look(t, shape, rates)
         force = buffers.force - structure.nodes.mass * structure.nodes.drag * state.v
         if self._has_dampers:

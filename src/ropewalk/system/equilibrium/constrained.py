@@ -28,6 +28,8 @@ _ROUNDS, _CLOSE, _LONGEST = 60, 1e-11, 0.1
 # Axial stiffness over the weight of all lines, of those whose shape inextensible ones begin with.
 _STIFF = 1e4
 _NEUTRAL = 1e-14  # of the sum of squares, what keeps equations for the first tensions regular
+# Roundings of the size of a structure to which lengths can be kept: links are differences of places.
+_ROUNDINGS = 8.0
 
 
 def links_of(structure: Structure) -> tuple[Integers, Array]:
@@ -91,10 +93,11 @@ def bring(potential: Any, shape: Array, rate: Array) -> tuple[Array, Array]:
         EquilibriumError: there is none.
     """
     (links, h), out = links_of(potential.structure), shape.copy()
+    enough = float(h.max()) * max(1e-14 * float(h.max()), _ROUNDINGS * float(np.spacing(potential.size)))
     for _ in range(_ROUNDS):
         G = gradients(potential, out, links)
         phi = 0.5 * (potential.buffers.length[links] ** 2 - h**2)
-        if np.abs(phi).max() <= 1e-14 * float((h**2).max()):
+        if np.abs(phi).max() <= enough:
             return out, rate - G.T @ scipy.sparse.linalg.spsolve(_of_links(G), G @ rate)
         out = potential.moved(out, -G.T @ scipy.sparse.linalg.spsolve(_of_links(G), phi))
     raise EquilibriumError("inextensible lines cannot begin so far from their rest; write a smaller amplitude")
