@@ -58,18 +58,28 @@ def tether_square(strands, loads, state, bodies, e):
 
 
 @lean_inner
+def have_dampers(bodies):
+    """1 if any tether damps: then velocities of wheels are wanted at the instant of the positions, else 0."""
+    found = 0
+    for e in range(bodies.tethers.size):
+        if bodies.tethers[e].damping > 0.0:
+            found = 1
+    return found
+
+
+@lean_inner
 def _look_at_wheels(strands, loads, state, buffers, bodies, kick):
     """Note of each wheel how it moves in a kick without its vehicle.
 
     Its place, its velocities before the kick and at the instant of the positions, what the line and given forces add to
     it, and what an impulse adds: the inverse of the mass that moves with the wheel.
     """
-    w, X, r, f, t = state.w, state.X, state.r, buffers.f, state.t[0]
+    w, X, r, f, t, led = state.w, state.X, state.r, buffers.f, state.t[0], have_dampers(bodies)
     for k in range(state.xi.size):
         wheel = bodies.wheels[k]
         s, b, U, phase = loads.strand[k], state.moving_load[k], state.speed[k], wheel.phase
         m = strands.rho[s] * strands.h[s]
-        ahead = buffers.ahead if strands.damping[s] > 0.0 else w  # kept up for damped lines only
+        ahead = buffers.ahead if strands.damping[s] > 0.0 or led == 1 else w  # kept up where something damps
         on_line = phase in (INSIDE, LOCATED)
         fast = phase in (AWAY, WAITING, PARKED)
         first, last = strands.first[s], strands.first[s] + strands.links[s]

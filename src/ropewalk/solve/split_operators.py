@@ -94,8 +94,11 @@ def _sum_of_squares(w, i0, i1):
 
 
 @inlined
-def move_nodes(strands, state, buffers, kick, drift, lead):
+def move_nodes(strands, state, buffers, kick, drift, lead, led):
     """Kick and drift all nodes.
+
+    Args:
+        led: 1: velocities at the instant of the new positions are wanted of lines without damping, too.
 
     Returns:
         What the drag takes from the motion, J.
@@ -106,7 +109,7 @@ def move_nodes(strands, state, buffers, kick, drift, lead):
         way, decay = _drift_with_drag(strands.drag[s], drift)
         _update(
             state.r, state.w, buffers.ahead, buffers.f, first, last, kick / m, strands.gravity, kick, way, decay, lead,
-            strands.damping[s] > 0.0,
+            strands.damping[s] > 0.0 or led == 1,
         )  # fmt: skip
         if strands.drag[s] > 0.0:  # exactly what the decay takes from the kinetic energy
             lost += 0.5 * m * (1.0 / decay**2 - 1.0) * _sum_of_squares(state.w, first, last)

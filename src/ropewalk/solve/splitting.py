@@ -27,6 +27,7 @@ from ropewalk.mechanics.moving_contact import (
     slope,
     speed_at,
 )
+from ropewalk.mechanics.vehicles import have_dampers
 from ropewalk.solve.ends import drive_ends, move_ends
 from ropewalk.solve.multibody_step import (
     add_body_forces,
@@ -287,6 +288,9 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
         tolerance = min(tolerance, ARRIVED * strands.h[s])
     if ends is not None:
         drive_ends(state, ends, time[0])
+    led = 0
+    if bodies is not None:
+        led = have_dampers(bodies)
     while time[0] < end:
         if _take_locations(strands, loads, state, buffers):
             return END_OF_LINE, steps
@@ -333,7 +337,7 @@ def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most,
                         for a in range(r.shape[0]):
                             buffers.dr[a, k] = r[a, b + 1] - r[a, b - 1]
                             buffers.dw[a, k] = w[a, b + 1] - w[a, b - 1]
-                work[LINE_DAMPING] += move_nodes(strands, state, buffers, kick, drift, lead)
+                work[LINE_DAMPING] += move_nodes(strands, state, buffers, kick, drift, lead, led)
                 if ends is not None:
                     move_ends(strands, loads, state, buffers, ends, kick, drift, lead)
                 if bodies is not None:

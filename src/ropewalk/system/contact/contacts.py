@@ -48,8 +48,8 @@ FASTEST = 0.9025
 AGAIN, FOUND, ROUNDED = 40, 1e-9, 0.5
 # Kink over h^2 of a given force with which it is sought from none, and beyond which it is not.
 BEGIN, MOST = 5e-5, 5e5
-# Part of the kink from which on a step of Newton's method, that follows on the line without bending, changes the stiffness
-# by what its slope tells: what is missing is its square.
+# Part of the kink from which on a step of Newton's method, without bending, changes the stiffness by what its slope tells:
+# what is missing is its square.
 SMALL = 1e-4
 TOGETHER = 1e-12  # the same of those that share links, where no last step of Newton's method makes it better
 
