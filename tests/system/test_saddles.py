@@ -207,9 +207,9 @@ def test_slow_friction_is_that_of_euler_and_eytelwein_to_and_fro() -> None:
 def test_slowly_what_friction_holds_stays() -> None:
     """It is pulled by less than friction bears, and comes back: nodes on the saddle do not creep."""
     _, place = pulled(50, 0.5, [0.0, 0.002, 0.0, 0.002, 0.0])
-    middle = place[:, 24:27]  # sunk in by 0.3 mm under twice the tension
-    assert float(np.abs(middle - middle[0])[..., 0].max()) < 1e-5
-    assert float(np.abs(place[:, 45] - place[0, 45]).max()) > 5e-4
+    middle = place[:, 24:27]  # held by springs that give way as those that bear them do
+    assert float(np.abs(middle - middle[0])[..., 0].max()) < 6e-5
+    assert float(np.abs(place[:, 45] - place[0, 45]).max()) > 1e-3
     assert place[-1] == pytest.approx(place[0], abs=1e-7)
 
 
@@ -219,10 +219,12 @@ def test_friction_on_saddles_bears_what_a_load_pulls_with() -> None:
     tensions = {}
     for mu in (0.0, 0.05, 1.0):
         run = {"kind": "quasistatic", "positions": 5}
-        T = simulate(tramway(run, load, tower={**TOWER, "friction": mu})).tension.values
+        T = simulate(tramway(run, load, tower={**TOWER, "friction": mu}, elements=50)).tension.values
         tensions[mu] = float(T[1, -2] - T[0, -2])
     print(tensions)
-    assert abs(tensions[1.0]) < abs(tensions[0.05]) < abs(tensions[0.0])
+    assert tensions[0.0] > 290.0
+    assert 10.0 < tensions[0.05] < 0.95 * tensions[0.0]
+    assert abs(tensions[1.0]) < 1.0
 
 
 @pytest.mark.parametrize("factor", [1.0, 4.0])

@@ -48,10 +48,12 @@ def motion(line: dict[str, Any], size: float = 1.0, *, geometry: str = "linearis
 
 @pytest.mark.parametrize("line", LINES)
 def test_steps_are_what_modes_superpose(line: str) -> None:
-    """All but what the contact gives way in a step: modes have none. Reactions ring with the shortest waves."""
-    scenario = motion(LINES[line], until=0.15)
+    """But for what contacts give way in a step; tensions of modes are without dampers. Bounds: twice what was seen."""
+    scenario = motion({**LINES[line], "elements": 24}, until=0.03)
     modes, steps = superposed(scenario), frames_of(with_steps_of(scenario, 0.5))
-    for of, most in (("position", 0.01), ("tension", 0.02), ("reaction", 0.03)):
+    for of, most in (("position", 0.006), ("tension", 0.015), ("reaction", 0.03)):
+        if of == "tension" and line == "damped":
+            continue
         one, other = changes(modes, of), changes(steps, of)
         away = float(np.abs(one - other).max() / np.abs(one).max())
         print(line, of, away)
@@ -63,7 +65,8 @@ def test_steps_are_what_modes_superpose(line: str) -> None:
 def test_all_geometry_tends_to_it_as_the_load_vanishes(line: str) -> None:
     away = []
     for size in (8.0, 2.0):
-        small, full = (frames_of(motion(LINES[line], size, geometry=own)) for own in ("linearised", "nonlinear"))
+        own = {**LINES[line], "elements": 24}
+        small, full = (frames_of(motion(own, size, geometry=kind, until=0.1)) for kind in ("linearised", "nonlinear"))
         one, other = (changes(frames, "position") for frames in (small, full))
         away.append(float(np.abs(one - other).max() / np.abs(one).max()))
     print(line, away)
@@ -89,6 +92,9 @@ def test_its_energy_has_the_forces_and_the_stiffness_of_rest(line: str) -> None:
     assert whole.how == LITTLE
     K = whole.stiffness(rest.ravel()).toarray()
     scale = float(np.abs(K).max())
+    pull = whole.forces(rest.ravel())
+    assert small.forces(rest.ravel()) == pytest.approx(pull, abs=1e-9 * float(whole.buffers.tension.max()))
+    assert small.energy(rest.ravel()) == pytest.approx(whole.energy(rest.ravel()), rel=1e-12)
     r = (rest + 0.1 * np.random.default_rng(1).standard_normal(rest.shape)).ravel()
     assert small.stiffness(r).toarray() == pytest.approx(K, rel=1e-9, abs=1e-9 * scale)
     C = whole.damping(rest.ravel()).toarray()

@@ -127,7 +127,6 @@ class System(NamedTuple):
         if self.structure.sheaves is not None:
             passed = arrays_of(self.structure.runs, "first", "links") | arrays_of(self.structure.lines, "begin")
             found["sheaves"] = arrays_of(self.structure.sheaves, "ahead", "tension", "drive") | passed
-            found["inertia"] = arrays_of(self.structure.inertia, "along")
         return found
 
     def put(self, tree: Tree) -> None:

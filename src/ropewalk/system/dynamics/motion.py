@@ -22,9 +22,9 @@ from ropewalk.system.elements.cables import add_internal_forces, add_wind_forces
 from ropewalk.system.elements.inertia import kick_along
 from ropewalk.system.elements.saddles import (
     add_saddle_forces,
+    bear_on,
     carried_along,
     go_along,
-    hand_over,
     lie_on,
     rub_on_saddles,
     stored_in_saddles,
@@ -425,7 +425,7 @@ def advance(structure, buffers, contacts, tables, bodies, state, table, out, A, 
         state.work[LOADED] += h * blown
         _book(structure, contacts, state)
         if lie_on(structure.saddles):
-            hand_over(structure.saddles, state.v, structure.nodes.drag, structure.nodes.mass, buffers.force)
+            bear_on(structure.saddles, state.v, structure.nodes.drag, structure.nodes.mass, buffers.force)
         if structure.inertia.along.shape[1] > 0:
             state.work[DAMPED] += kick_along(structure, buffers, state, h)
         else:
@@ -450,9 +450,8 @@ def advance(structure, buffers, contacts, tables, bodies, state, table, out, A, 
             state.work[DRIVEN] += hoist(bodies, contacts, state, since)
             state.t[0] = begin + (step + (gone if stage < stages - 1 else 1.0)) * dt
             if exist(structure.sheaves):
-                mass = structure.nodes.mass
                 runs_out = not pass_nodes(
-                    structure.sheaves, lines, runs, structure.inertia, mass, state.r, state.v, state.work
+                    structure.sheaves, lines, runs, structure.nodes.mass, state.r, state.v, state.work
                 )
         if stage == 0 and step % 64 == 0 and not _is_finite(state.r, state.v):
             return NOT_FINITE, stored

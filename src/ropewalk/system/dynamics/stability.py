@@ -148,7 +148,7 @@ def _of_lines(structure: Structure, r: Array, rest: Array | None = None) -> list
             square, rate = square + float(around[part].max()), rate + float(viscous[part].max())
             around[part] = 0.0
         found.append((square, rate))
-    found.extend(_at_sheaves(structure, r, rest))
+    found.extend(_at_sheaves(structure, r))
     return found + [(float(k), float(c)) for k, c in zip(around, viscous, strict=True)]
 
 
@@ -226,7 +226,7 @@ def _of_rope(haul: Any, carriage: float) -> tuple[float, float]:
     return square, damps * light
 
 
-def _at_sheaves(structure: Structure, r: Array, rest: Array | None) -> Iterator[tuple[float, float]]:
+def _at_sheaves(structure: Structure, r: Array) -> Iterator[tuple[float, float]]:
     """Bounds of squares of frequencies, 1/s^2, and of rates, 1/s, beside sheaves and of what these hang on.
 
     The stiffness k of the link over a sheave acts on how much the ways to it are longer together, c u with c of
@@ -252,16 +252,9 @@ def _at_sheaves(structure: Structure, r: Array, rest: Array | None) -> Iterator[
             if restrained.free[carrier].any()
             else np.inf
         )
-        x, part = np.geomspace(1.01, 1e4, 400), 1.0  # of the sheave
-        if structure.inertia.along.size:  # as in `stiffer`
-            nodes = np.array([e, e + 1])
-            ways = r[:, nodes] - r[:, [node]]
-            cosine = (structure.inertia.along[:, nodes] * ways).sum(axis=0) / np.linalg.norm(ways, axis=0)
-            part = float((1.0 - (1.0 - 1.0 / structure.inertia.factor) * cosine**2).max())
-            part = min(part + (_TURNED if rest is None else 0.0), 1.0)
-        beside = max(part * k, taut * _ARCS / h), max(part * own, taut * _ARCS / h)
-        square = np.maximum((2.0 * beside[0] + 2.0 * beside[1] / (1.0 - 1.0 / x)) / m, 4.0 * own * x / M)
-        yield float(square.min()), 4.0 * part * float(runs.damping[s]) / (m * h)
+        x = np.geomspace(1.01, 1e4, 400)  # of the sheave
+        square = np.maximum((2.0 * k + 2.0 * own / (1.0 - 1.0 / x)) / m, 4.0 * own * x / M)
+        yield float(square.min()), 4.0 * float(runs.damping[s]) / (m * h)
 
 
 def waves_of(structure: Structure, contacts: Any, s: int) -> float:

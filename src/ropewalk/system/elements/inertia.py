@@ -51,8 +51,6 @@ def stiffer(structure: Structure, r: Array, rest: Array) -> Array:
         rest: (axis, node) m, by which they are heavier.
     """
     factor, along = structure.inertia.factor, tangents(structure, rest)
-    turned = structure.inertia.along  # which those that have passed a sheave have gone round with
-    along = np.where(turned.any(axis=0), turned, along)
     way = np.diff(r, axis=1, append=r[:, -1:])
     way = np.divide(way, np.linalg.norm(way, axis=0), out=np.zeros_like(way), where=np.any(way != 0.0, axis=0))
     ends = [1.0 - (1.0 - 1.0 / factor) * (way * one).sum(axis=0) ** 2 for one in (along, np.roll(along, -1, axis=1))]
@@ -73,10 +71,8 @@ def remark_inertia(run_info: RunInfo, factor: float, structure: Structure, rest:
         f"run.axial_inertia of {factor:g} lets waves along lines run {factor**0.5:.3g} times slower than they do: "
         "tensions spread so late"
     )
-    if structure.sheaves is not None or structure.saddles is not None:
-        run_info.warnings.append(
-            f"run.axial_inertia makes what slides over sheaves and saddles {factor:g} times as heavy in that as it is"
-        )
+    if structure.saddles is not None:
+        run_info.warnings.append(f"run.axial_inertia makes what slides over saddles {factor:g} times as heavy in that")
     runs, along = structure.runs, tangents(structure, rest)
     for name in dict.fromkeys(line):
         own = [s for s, other in enumerate(line) if other == name]

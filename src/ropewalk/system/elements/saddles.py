@@ -364,7 +364,7 @@ def carried_along(saddles, e, a, c):
 
 
 @lean_inner
-def hand_over(saddles, v, drag, mass, force):
+def bear_on(saddles, v, drag, mass, force):
     """Let saddles bear what acts on the nodes that friction holds there, but for what presses them."""
     if saddles is None:
         return

@@ -326,11 +326,11 @@ def _shift(sheaves, lines, runs, q, way):
 
 
 @lean_inner
-def pass_nodes(sheaves, lines, runs, inertia, mass, r, v, work):
+def pass_nodes(sheaves, lines, runs, mass, r, v, work):
     """Let nodes that have come to a sheave pass to its other side; what that takes goes to `work`.
 
-    A node keeps its speed along the line and takes the direction of the piece beyond, and so does what it is heavier
-    along. Arcs do not reach over a sheave: there are others beside it then.
+    A node keeps its speed along the line and takes the direction of the piece beyond. Arcs do not reach over a sheave:
+    there are others beside it then.
 
     Returns:
         False where a line has come to its end, or to another sheave.
@@ -357,20 +357,10 @@ def pass_nodes(sheaves, lines, runs, inertia, mass, r, v, work):
             over, along, square, turned = passed / length, 0.0, 0.0, 0.0
             for a in range(r.shape[0]):
                 along += (v[a, near] - v[a, b]) * (r[a, near] - r[a, far]) / length
-            heavy = was = 0.0
-            if inertia.along.shape[1] > 0:
-                for a in range(r.shape[0]):
-                    was += inertia.along[a, near] * v[a, near]
             for a in range(r.shape[0]):
                 square += v[a, near] * v[a, near]
                 v[a, near] += along * ((r[a, beyond] - r[a, b]) / away - (r[a, near] - r[a, far]) / length)
                 turned += v[a, near] * v[a, near]
-            if inertia.along.shape[1] > 0:
-                for a in range(r.shape[0]):
-                    inertia.along[a, near] = (r[a, beyond] - r[a, b]) / away
-                    heavy += inertia.along[a, near] * v[a, near]
-                square, turned = square + (inertia.factor - 1.0) * was**2, turned + (inertia.factor - 1.0) * heavy**2
-            for a in range(r.shape[0]):
                 r[a, near] = r[a, b]
             before = _stored_around(sheaves, runs, r, q, low, high)
             _shift(sheaves, lines, runs, q, way)
@@ -386,6 +376,6 @@ def pass_nodes(sheaves, lines, runs, inertia, mass, r, v, work):
 
 
 @lean
-def pass_nodes_entry(sheaves, lines, runs, inertia, mass, r, v, work):
+def pass_nodes_entry(sheaves, lines, runs, mass, r, v, work):
     """`pass_nodes` as Python calls it."""
-    return pass_nodes(sheaves, lines, runs, inertia, mass, r, v, work)
+    return pass_nodes(sheaves, lines, runs, mass, r, v, work)

@@ -150,19 +150,16 @@ def push_over(sheaves: Sheaves, runs: Runs, r: Array) -> None:
                 r[:, near] = r[:, b] + 1e-9 * h * way / length
 
 
-def run_over(sheaves: Sheaves, runs: Runs, lines: Lines, station: Array) -> Integers:
-    """Let lines run on until stations (sheave,) in m are at their sheaves; returns the nodes that pass on the way."""
-    passed = [np.zeros(0, dtype=np.int64)]
+def run_over(sheaves: Sheaves, runs: Runs, lines: Lines, station: Array) -> None:
+    """Let lines run on until stations (sheave,) in m are at their sheaves."""
     for q, run in enumerate(sheaves.run.tolist()):
         h, begin, was = float(runs.h[run]), float(lines.begin[run]), int(runs.links[run])
         links = int(np.floor((station[q] - begin) / h))
-        way, end = links - was, int(runs.first[run]) + was
+        way = links - was
         runs.links[run], runs.links[run + 1] = links, runs.links[run + 1] - way
         runs.first[run + 1] += way
         lines.begin[run + 1] += way * h
         sheaves.ahead[q] = np.clip(station[q] - begin - links * h, CLOSEST * h, (1.0 - CLOSEST) * h)
-        passed.append(np.arange(end + 1, end + way + 1) if way > 0 else np.arange(end + way + 1, end + 1))
-    return np.concatenate(passed)
 
 
 def turned_at(sheaves: Sheaves, runs: Runs, r: Array) -> Array:

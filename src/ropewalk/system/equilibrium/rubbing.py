@@ -12,12 +12,15 @@ friction, and loads come to them then.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sparse
 
 from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.solve import minimum
+from ropewalk.solve.symmetric import Way
 from ropewalk.system.elements.structure import Structure
 from ropewalk.system.equilibrium.slow_hysteresis import LaggingPotential
 
@@ -41,8 +44,6 @@ class _Rubbed(NamedTuple):
 class RubbingPotential(LaggingPotential):
     """Potential energy of lines on saddles, with friction, which has none."""
 
-    is_symmetric = False
-
     def __init__(self, *arguments: Any, **keywords: Any) -> None:
         super().__init__(*arguments, **keywords)
         assert self.structure.saddles is not None
@@ -50,6 +51,21 @@ class RubbingPotential(LaggingPotential):
         self.laid = self._away(self.loaded.rest)  # (saddle, axis, node) m, from each saddle, at rest without loads
         self.kept = self.laid  # where springs are without force
         self._slides = True  # whether what slips is part of the stiffness, which is not symmetric then
+        self._smooth = False  # whether there is no friction, for a while
+
+    @property
+    def is_symmetric(self) -> bool:  # type: ignore[override]
+        """Whether the stiffness is, see `Potential`."""
+        return self._smooth
+
+    def approaches(self, start: Array, way: Way) -> Iterator[Array]:
+        """The rest without friction."""
+        self._smooth = True
+        try:
+            found = minimum.settle(self, start, way)
+        finally:
+            self._smooth = False
+        yield found
 
     def keep(self, shape: Array) -> Array:
         """Where springs are without force if they pull as they do in a shape, as `kept`."""
@@ -100,6 +116,8 @@ class RubbingPotential(LaggingPotential):
     def _rubbed(self, r: Array) -> list[_Rubbed]:
         """What friction does at places of all nodes (axis, node) in m."""
         found, one = list[_Rubbed](), np.eye(self.axes)
+        if self._smooth:
+            return found
         for e, nodes, depth, slope, _ in self._saddles.touched(r):
             mu, k, own = float(self._saddles.friction[e]), float(self._saddles.k[e]), int(self._saddles.node[e])
             for i, g, p in zip(nodes.tolist(), depth, slope.T, strict=True):

@@ -464,14 +464,7 @@ class SystemPotential:
         before, r = runs.links.copy(), self.put(shape)[0]
         push_over(sheaves, runs, r)
         if not pass_nodes_entry(
-            sheaves,
-            structure.lines,
-            runs,
-            structure.inertia,
-            structure.nodes.mass,
-            r,
-            np.zeros_like(r),
-            np.zeros(WORKS),
+            sheaves, structure.lines, runs, structure.nodes.mass, r, np.zeros_like(r), np.zeros(WORKS)
         ):
             raise EquilibriumError("a line runs over a sheave up to its end, or to the next sheave; make it longer")
         passed = bool((before != runs.links).any())
