@@ -45,7 +45,6 @@ from ropewalk.system.elements.structure import WORKS, Buffers, SystemState
 from ropewalk.system.equilibrium.carriages_at_rest import CarriagesAtRest
 from ropewalk.system.equilibrium.rest import about_rest, at_rest, least, refuse_limp, tensions
 from ropewalk.system.equilibrium.statics import SystemPotential
-from ropewalk.system.equilibrium.sticking_friction import StickingFriction
 from ropewalk.system.equilibrium.structures import structure_of
 from ropewalk.system.loads.crabs import Crabs, stand_on_lines
 from ropewalk.system.loads.loaded_structure import Carried, LoadedStructure, load_springs, measure_from_ends
@@ -53,6 +52,7 @@ from ropewalk.system.methods import first_damper, shaken
 from ropewalk.system.reporting import doubts
 from ropewalk.system.reporting.frames import FrameBuilder, SystemNote
 from ropewalk.system.reporting.hold_forces import on_friction
+from ropewalk.system.reporting.sticking_friction import StickingFriction
 
 if TYPE_CHECKING:
     from ropewalk.system.dynamics.implicit import Implicit

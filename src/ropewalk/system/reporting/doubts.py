@@ -19,7 +19,7 @@ from ropewalk.results.frames import Frames
 from ropewalk.results.hauling import Hauling
 from ropewalk.system.assembling.assembled import Assembled
 from ropewalk.system.elements.structure import Buffers, Structure
-from ropewalk.system.equilibrium.sticking_friction import StickingFriction
+from ropewalk.system.reporting.sticking_friction import StickingFriction
 
 # Part of the largest tension with which an inextensible line may be pushed together.
 _PUSHED = 0.1

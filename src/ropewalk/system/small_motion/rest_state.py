@@ -20,8 +20,8 @@ from ropewalk.system.elements.sheaves import LITTLE
 from ropewalk.system.elements.structure import Structure
 from ropewalk.system.equilibrium.constrained import gradients, links_of, ways
 from ropewalk.system.equilibrium.statics import SystemPotential
-from ropewalk.system.equilibrium.sticking_friction import StickingFriction
 from ropewalk.system.loads.loaded_structure import LoadedStructure
+from ropewalk.system.reporting.sticking_friction import StickingFriction
 
 
 class RestState:
