@@ -57,11 +57,9 @@ class Saddles(NamedTuple):
     axis: Array  # (saddle, axis) unit vector; zero in a plane
     way: Array  # (axis,) room: change of g with the place of a node
     about: ElementsAboutRest = ElementsAboutRest.nothing()  # of nodes in touch, each with that of its saddle
-    held: Integers = np.zeros(
-        (0, 2), dtype=np.int64
-    )  # (held, 2) nodes that friction holds in small motion, and saddles
-    press: Array = np.zeros((0, 0))  # (held, axis) unit vectors that press them
-    heavier: Array = np.zeros((0, 0, 0))  # (restraint, axis, axis) kg, of held nodes with their saddles
+    stuck_nodes: Integers = np.zeros((0, 2), dtype=np.int64)  # (stuck, 2) in small motion, and their saddles
+    press: Array = np.zeros((0, 0))  # (stuck, axis) unit vectors that press them
+    heavier: Array = np.zeros((0, 0, 0))  # (restraint, axis, axis) kg, of these with their saddles
 
     @staticmethod
     def nothing(axes: int) -> Saddles:
@@ -128,7 +126,7 @@ class Saddles(NamedTuple):
             heavier[restraint[e]] += mass[i] * P @ (np.eye(axes) - np.outer(way, way)) @ P
         return self._replace(
             about=ElementsAboutRest.of(node, rest, force, K, np.zeros_like(K), stored),
-            held=np.array([(i, self.node[e]) for e, i, _ in stuck], dtype=np.int64).reshape(-1, 2),
+            stuck_nodes=np.array([(i, self.node[e]) for e, i, _ in stuck], dtype=np.int64).reshape(-1, 2),
             press=np.array([way for *_, way in stuck]).reshape(-1, axes), heavier=heavier,
         )  # fmt: skip
 
@@ -368,8 +366,8 @@ def bear_on(saddles, v, drag, mass, force):
     """Let saddles bear what acts on the nodes that friction holds there, but for what presses them."""
     if saddles is None:
         return
-    for c in range(saddles.held.shape[0]):
-        i, own = saddles.held[c, 0], saddles.held[c, 1]
+    for c in range(saddles.stuck_nodes.shape[0]):
+        i, own = saddles.stuck_nodes[c, 0], saddles.stuck_nodes[c, 1]
         pressed = into = 0.0
         for a in range(v.shape[0]):
             pressed += saddles.press[c, a] * force[a, i]
@@ -385,8 +383,8 @@ def go_along(saddles, v):
     """Let the nodes that friction holds on saddles go with these, but for the way in which they are pressed."""
     if saddles is None:
         return
-    for c in range(saddles.held.shape[0]):
-        i, own = saddles.held[c, 0], saddles.held[c, 1]
+    for c in range(saddles.stuck_nodes.shape[0]):
+        i, own = saddles.stuck_nodes[c, 0], saddles.stuck_nodes[c, 1]
         into = 0.0
         for a in range(v.shape[0]):
             into += saddles.press[c, a] * (v[a, i] - v[a, own])

@@ -47,7 +47,7 @@ def stiffness_of(sheaves: Sheaves, runs: Runs, r: Array, how: int) -> sparse.csc
     """
     if sheaves.about.are_there:
         return gathered(sheaves.about.node, sheaves.about.stiffness, r.shape[1], r.shape[0])
-    K = [_Pieces.of(sheaves, runs, r, q).stiffness(_sticks(sheaves, q, how)) for q in range(sheaves.node.size)]
+    K = [_Derivatives.of(sheaves, runs, r, q).stiffness(_sticks(sheaves, q, how)) for q in range(sheaves.node.size)]
     return gathered(_nodes(sheaves, runs), np.array(K), r.shape[1], r.shape[0])
 
 
@@ -55,7 +55,7 @@ def _sticks(sheaves: Sheaves, q: int, how: int) -> bool:
     return how == STICKS or (how == LITTLE and bool(sheaves.friction[q] > 0.0))
 
 
-class _Pieces(NamedTuple):
+class _Derivatives(NamedTuple):
     """Derivatives of the energy of both pieces at a sheave, by places of its nodes and by what is behind it, s."""
 
     across: Array  # (place, place) N/m, with s as it is
@@ -66,7 +66,7 @@ class _Pieces(NamedTuple):
     stretch: Array  # (2,)
 
     @staticmethod
-    def of(sheaves: Sheaves, runs: Runs, r: Array, q: int) -> _Pieces:
+    def of(sheaves: Sheaves, runs: Runs, r: Array, q: int) -> _Derivatives:
         """Those of sheave q at places r (axis, node) in m."""
         axes, run = r.shape[0], int(sheaves.run[q])
         h, p, s = runs.h[run], runs.law[run], sheaves.ahead[q]
@@ -91,7 +91,7 @@ class _Pieces(NamedTuple):
         bent[0] -= w
         bent[2] += w
         size = 3 * axes
-        return _Pieces(
+        return _Derivatives(
             K.reshape(size, size), bent.ravel(), float(curved), longer.reshape(2, size), firm, stretches
         )  # fmt: skip
 
@@ -117,18 +117,18 @@ def about_rest(sheaves: Sheaves, runs: Runs, rest: Array) -> Sheaves:
     stored, at_rest, force = np.zeros(count), np.zeros((count, 5)), np.zeros((count, size))
     for q, run in enumerate(sheaves.run.tolist()):
         h, p, s, sticks = runs.h[run], runs.law[run], sheaves.ahead[q], _sticks(sheaves, q, LITTLE)
-        pieces = _Pieces.of(sheaves, runs, rest, q)
-        longer = pieces.longer.sum(axis=0)
-        K[q], C[q] = pieces.stiffness(sticks), runs.damping[run] / h * np.outer(longer, longer)
-        one, two = pieces.stretch - 1.0
-        strain = (s * pieces.stretch[0] + (h - s) * pieces.stretch[1]) / h - 1.0
+        derived = _Derivatives.of(sheaves, runs, rest, q)
+        longer = derived.longer.sum(axis=0)
+        K[q], C[q] = derived.stiffness(sticks), runs.damping[run] / h * np.outer(longer, longer)
+        one, two = derived.stretch - 1.0
+        strain = (s * derived.stretch[0] + (h - s) * derived.stretch[1]) / h - 1.0
         at_rest[q] = *sheaves.tension[q], s, strain, float(law.tension(p, strain))
         slope = float(law.tangent(p, strain))
-        changes[q] = *pieces.tensions(sticks), pieces.slip(sticks), longer / h, slope * longer / h
+        changes[q] = *derived.tensions(sticks), derived.slip(sticks), longer / h, slope * longer / h
         stored[q] = s * float(law.stored(p, one)) + (h - s) * float(law.stored(p, two))
         r, w = rest[:, nodes[q]], 0.5 * sheaves.weight[q]
         stored[q] += float(w @ ((h - s) * r[:, 0] + s * r[:, 2] - h * r[:, 1]))
-        force[q] = -sheaves.tension[q] @ pieces.longer - np.concatenate([(h - s) * w, -h * w, s * w])
+        force[q] = -sheaves.tension[q] @ derived.longer - np.concatenate([(h - s) * w, -h * w, s * w])
     about = ElementsAboutRest.of(nodes, rest, force, K, C, stored)
     return sheaves._replace(about=about, rest=at_rest, changes=changes)
 
