@@ -70,8 +70,8 @@ def test_all_geometry_tends_to_it_as_the_load_vanishes(line: str) -> None:
         one, other = (changes(frames, "position") for frames in (small, full))
         away.append(float(np.abs(one - other).max() / np.abs(one).max()))
     print(line, away)
-    assert away[1] < 0.012
-    assert away[1] < 0.45 * away[0]
+    assert away[1] < 0.006
+    assert away[1] < 0.6 * away[0]  # what contacts give way in a step differs, whatever the load
 
 
 @pytest.mark.parametrize("line", LINES)
