@@ -6,11 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from ropewalk.model import Scenario
+from ropewalk.model import Linear, Scenario
 from ropewalk.model.run import every_of
 from ropewalk.results.frame import ENERGY_FORMS, Frame, RunInfo
 from ropewalk.results.running import TimeHistory
+from ropewalk.simulate import output_times
 from ropewalk.system.dynamics.moving import SystemMotion
+from ropewalk.system.small_motion.superposed import Superposed
 
 ROPE = {"start": [0, 0], "end": [20, 1], "length": 20.4, "mass": 1.0, "axial_stiffness": 1e5, "elements": 40}
 TRIPOD = {
@@ -44,6 +46,18 @@ def imbalance(frames: list[Frame]) -> float:
     missed = max(abs(frame.energy[ENERGY_FORMS.index("imbalance")]) for frame in frames)
     moving = [ENERGY_FORMS.index(form) for form in ("kinetic", "load_kinetic", "load_work", "hold_work")]
     return float(missed / max(np.abs(frame.energy[moving]).max() for frame in frames))
+
+
+def superposed(scenario: Scenario, run_info: RunInfo | None = None) -> list[Frame]:
+    """The same motion by kind: linear."""
+    run = Linear(until=scenario.run.until, every=scenario.run.every)
+    return list(Superposed(scenario, run, output_times(run), run_info or RunInfo()).frames())
+
+
+def changes(frames: list[Frame], of: str) -> np.ndarray:
+    """Of all frames from the first one."""
+    values = np.array([getattr(frame, of) for frame in frames])
+    return np.asarray(values - values[0])
 
 
 def line(**keys: Any) -> dict[str, Any]:

@@ -44,6 +44,7 @@ _PATTERNS = {
         "a carriage rolls along a rope": r"a carriage rolls along a rope",
         "where loading turns into unloading, hysteresis has two stiffnesses":
             r"has no small motion: where loading turns",
+        "lines that do not stretch have no waves along them": r"have no waves along them that could be slower",
         "a given force is no vehicle": r"of kind force is only a force; what can be exported",
     },
     MISSING: {

@@ -5,6 +5,7 @@ References: closed forms in each test. Friction: T2/T1 = exp(mu theta).
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -170,6 +171,34 @@ def test_a_hoist_pays_friction_by_euler_and_eytelwein() -> None:
     print(lost[-1] / expected - 1.0, np.abs(form(result, "imbalance")).max() / expected)
     assert lost[-1] == pytest.approx(expected, rel=5e-3)  # it accelerates and slows down by 3 m/s^2
     assert np.abs(form(result, "imbalance")).max() < 5e-3 * expected  # 0.009 J
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.1])
+def test_a_motion_over_a_sheave_goes_on_from_a_stored_instant_as_if_nothing_had_been(
+    friction: float, tmp_path: Path
+) -> None:  # fmt: skip
+    """Nodes pass before and after it, and friction slips: results hold where lines are over their sheaves."""
+    time = np.linspace(0.0, 0.6, 61)
+    down = -1.5 * (time / 0.6 - np.sin(2.0 * np.pi * time / 0.6) / (2.0 * np.pi))
+
+    def rope(first: int) -> dict[str, Any]:
+        table = {"time": (time[first:] - time[first]).tolist(), "value": [[0.0, float(z)] for z in down[first:]]}
+        return upright(
+            20, axial_damping=0.0, sheaves={"wheel": {"at": [0, 0], "friction": friction}},
+            end_support={"kind": "guided", "along": [0, 1], "mass": 3.0},
+            start_support={"kind": "moving", "displacement": table},
+        )  # fmt: skip
+
+    file = tmp_path / "whole.nc"
+    whole = simulate(scenario(rope(0), {"until": 0.3, "every": 0.02}), file=file)
+    station = whole.sheave_station.values[:, 0]
+    assert np.floor(2.0 * station[[0, 8, 15]]).tolist() == [9.0, 10.0, 11.0]  # links of 0.5 m
+    start = {"kind": "result", "file": str(file), "time": 0.16}
+    later = simulate(scenario(rope(16), {"until": 0.14, "every": 0.02, "start": start}))
+    for key in ("position", "sheave_station"):
+        miss = float(np.abs(later[key].values - whole[key].values[8:]).max())
+        print(key, miss)
+        assert miss < 1e-11
 
 
 @pytest.mark.parametrize("kind", ["force", "mass", "oscillator", "trolley"])

@@ -11,11 +11,10 @@ import numpy as np
 import pytest
 
 from ropewalk.errors import RopewalkError
-from ropewalk.model import Linear, Scenario
-from ropewalk.results.frame import Frame, RunInfo
-from ropewalk.simulate import output_times, spectrum_of
-from ropewalk.system.small_motion.superposed import Superposed
-from system_cases import frames_of, with_steps_of
+from ropewalk.model import Scenario
+from ropewalk.results.frame import RunInfo
+from ropewalk.simulate import spectrum_of
+from system_cases import changes, frames_of, superposed, with_steps_of
 
 SLACK = {"start": [0, 0], "end": [20, 1], "length": 20.4, "mass": 1.0, "law": {"kind": "inextensible"}, "elements": 24}
 TAUT = {"start": [0, 0], "end": [20, 0], "length": 19.95, "mass": 1.0, "axial_stiffness": 1e5, "elements": 40}
@@ -35,17 +34,6 @@ def motion(line: str, size: float = 1.0, load: dict[str, Any] | None = None, unt
     run = {"kind": "dynamic", "until": until, "every": until / 6.0}
     tree = {"gravity": 9.81, "lines": {"rope": LINES[line]}, "loads": {"a": load}, "run": run}
     return Scenario.model_validate(tree)
-
-
-def superposed(scenario: Scenario, run_info: RunInfo | None = None) -> list[Frame]:
-    run = Linear(until=scenario.run.until, every=scenario.run.every)
-    return list(Superposed(scenario, run, output_times(run), run_info or RunInfo()).frames())
-
-
-def changes(frames: list[Frame], of: str) -> np.ndarray:
-    """Of all frames from the first one."""
-    values = np.array([getattr(frame, of) for frame in frames])
-    return np.asarray(values - values[0])
 
 
 @pytest.mark.parametrize("line", LINES)

@@ -33,6 +33,9 @@ LINES: dict[str, dict[str, Any]] = {
     "slack rope": {"rope": {**ROPE, "axial_damping": 50.0}},
     "hung": HUNG,
     "saddle": {"rope": {**ROPE, "supports": {"saddle": {"at": 20.0, "kind": "fixed", "position": [19.95, 0.1]}}}},
+    "sheave": {"rope": {**ROPE, "length": 59.9, "sheaves": {"wheel": {"at": [20.0, 0.3], "friction": 0.0}}}},
+    "shoe": {"rope": {**ROPE, "length": 59.9,
+                      "saddles": {"shoe": {"at": [20.0, 0.3], "radius": 5.0, "friction": 0.2}}}},
     "beam on a pier": {"rope": {**ROPE, "length": 60.0, "bending_stiffness": 1e6, "axial_stiffness": 1e8,
                                 "supports": {"pier": {"at": 20.0, "kind": "fixed"}}}},
 }  # fmt: skip

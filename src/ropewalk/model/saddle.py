@@ -22,7 +22,7 @@ class Saddle(Declaration):
     at: Point = Field(description="its crown, the highest point of its groove")
     radius: PositiveLength = Field(description="of the groove along the line; the line lies on the upper half")
     friction: FrictionCoefficient = Field(
-        default=0.0, description="coefficient: the line slips where T2/T1 exceeds exp(friction * angle); in motion"
+        default=0.0, description="coefficient: the line slips where T2/T1 exceeds exp(friction * angle)"
     )
     support: Annotated[Fixed | Elastic | Guided | Moving, Variants("support")] = Field(
         default=Fixed(), description="what holds it; elastic or guided for a tower that gives way"

@@ -92,6 +92,9 @@ VARIABLES: Mapping[str, ResultVariable] = {
         ("hauled", "rope_end"), "N", "tension in the ropes that haul the carriage, at the end of the rope"
     ),
     "haul_slip": ResultVariable(("hauled",), "m", "length of the hauling rope that has slipped out over its drive"),
+    "sheave_station": ResultVariable(
+        ("sheave",), "m", "material coordinate of the line at the sheave (unstrained arc length)"
+    ),
     "cell_tension": ResultVariable(
         ("cell", "direction"),
         "N/m",
@@ -134,6 +137,7 @@ COORDINATES: Mapping[str, ResultVariable] = {
     "rope_end": ResultVariable(
         ("rope_end",), "1", "end of a rope: at the carriage, at the drive, of the counter rope, beyond the drive"
     ),
+    "sheave": ResultVariable(("sheave",), "1", "sheave over which a line runs"),
     "corner": ResultVariable(("corner",), "1", "corner of a cell"),
     "direction": ResultVariable(("direction",), "1", "direction of a tension in a cell"),
     "cell_net": ResultVariable(("cell",), "1", "net or membrane of the cell"),
@@ -143,7 +147,8 @@ COORDINATES: Mapping[str, ResultVariable] = {
 NUMBERS = ("cell_node",)
 """Coordinates without a unit that are numbers, where all others are names."""
 
-OPTIONAL = ("tie", "watched", "sample", "foreign", "compared", "cell", "corner", "direction", "hauled", "rope_end")
+OPTIONAL = ("tie", "watched", "sample", "foreign", "compared", "cell", "corner", "direction", "hauled", "rope_end",
+            "sheave")  # fmt: skip
 """Dimensions that only some results have: what needs them is left out of the others."""
 
 
@@ -169,6 +174,7 @@ def coordinate_values(layout: Layout) -> dict[str, NDArray[Any]]:
         "compared": layout.compared,
         "hauled": layout.hauled,
         "rope_end": ROPE_ENDS if layout.hauled else (),
+        "sheave": layout.sheave,
         "corner": CORNERS if layout.cell else (),
         "direction": DIRECTIONS if layout.cell else (),
         "cell_net": layout.cell_net,
@@ -201,6 +207,7 @@ def sizes(layout: Layout) -> dict[str, int]:
         "cell": len(layout.cell),
         "hauled": len(layout.hauled),
         "rope_end": len(ROPE_ENDS) if layout.hauled else 0,
+        "sheave": len(layout.sheave),
         "corner": len(CORNERS) if layout.cell else 0,
         "direction": len(DIRECTIONS) if layout.cell else 0,
     }

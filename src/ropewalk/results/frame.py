@@ -57,6 +57,7 @@ class Layout:
     external: tuple[str, ...] = ()  # loads that are external models
     compared: tuple[str, ...] = ()  # load of each contact, where they are compared with those on a coarser mesh
     hauled: tuple[str, ...] = ()  # carriages that ropes haul
+    sheave: tuple[str, ...] = ()  # sheaves over which lines run: "rope.wheel"
     cell: tuple[tuple[int, int, int], ...] = ()  # nodes of each triangle of nets and membranes
     cell_net: tuple[str, ...] = ()  # net of each triangle
     path: str = "time"  # leading dimension: "time" (s) or "load_path" (m)
@@ -95,6 +96,7 @@ class Frame:
     sampled_uplift: Array | None = None  # (sample, watched) m
     haul_tension: Array | None = None  # (hauled, rope_end) N
     haul_slip: Array | None = None  # (hauled,) m
+    sheave_station: Array | None = None  # (sheave,) m, of their lines
     cell_tension: Array | None = None  # (cell, direction) N/m
     contact_change: Array | None = None  # (compared, axis) m, from the mesh with half the elements to this one
     exchange_work: Array | None = None  # (foreign,) J, that has gone through the interface

@@ -139,6 +139,8 @@ def _settle(potential: Potential, start: Array, way: Way) -> Array:
             return found
         if potential.energy(near) < potential.energy(lowest):
             lowest = near
+    if not potential.is_symmetric:  # friction has no energy to go down by
+        raise EquilibriumError("no rest was found where lines rub: ask for more positions, or change a length a little")
     return _downhill(potential, lowest, way)
 
 

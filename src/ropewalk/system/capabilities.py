@@ -160,46 +160,36 @@ def _of_hysteresis(name: str, line: Line, run: object) -> Iterator[Finding]:
         yield missing(path, "runs that begin from a result", "a block", "start at rest", feature="hysteresis")
     if run.geometry == "linearised":
         yield Finding(path, two, "a block", "leave it out, or write geometry: nonlinear")
-    yield from _by_steps(run, what)
+    yield from _by_steps(run, what, inertia=True)
 
 
-def _by_steps(run: Dynamic, what: str) -> Iterator[Finding]:
-    """What moves by plain steps with its own inertia, all of it."""
+def _by_steps(run: Dynamic, what: str, *, inertia: bool = False) -> Iterator[Finding]:
+    """What moves by plain steps with its own inertia, or with more along it, all of it."""
     if run.method in HIGH_ORDER:
         yield missing(("run", "method"), what, run.method, "use auto or verlet")
-    yield from _all_of_it(run, what)
+    yield from _all_of_it(run, what, inertia=inertia)
 
 
-def _all_of_it(run: Dynamic, what: str) -> Iterator[Finding]:
+def _all_of_it(run: Dynamic, what: str, *, inertia: bool = False) -> Iterator[Finding]:
     """What moves with its own inertia, all of it."""
     if run.window is not None:
         yield missing(("run", "window"), what, "a window", "leave it out")
-    if run.axial_inertia != 1.0:
+    if run.axial_inertia != 1.0 and not inertia:
         yield missing(("run", "axial_inertia"), what, f"{run.axial_inertia:g}", "leave it out")
 
 
 def _over_saddles(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
     """Lines lie on saddles by what their links stretch, and rub there in motion."""
     what, run = "lines over saddles", parts.run
-    by_modes = "write geometry: nonlinear, or kind: linear, which is small motion by its modes"
     if line.foundation:
         yield missing(("lines", name, "foundation"), what, f"{line.foundation:g}", "leave foundation out")
     if isinstance(line.law, Inextensible):
         yield missing(("lines", name, "law", "kind"), what, "inextensible", "give an axial_stiffness with law hooke")
-    if isinstance(run, Dynamic) and run.geometry == "linearised":
-        yield missing(("run", "geometry"), what, "linearised", by_modes)
-    if isinstance(run, Dynamic) and run.axial_inertia != 1.0:
-        yield missing(("run", "axial_inertia"), what, f"{run.axial_inertia:g}", "leave axial_inertia out")
     if isinstance(run, Dynamic) and run.start.kind == "result":
         for saddle, own in line.saddles.items():
             if not isinstance(own.support, Fixed):  # results do not hold where it stands
                 path, remedy = ("lines", name, "saddles", saddle, "support"), "start at rest, or let saddles stand fast"
                 yield missing(path, "runs that begin from a result", own.support.kind, remedy)
-    for saddle, own in line.saddles.items() if isinstance(run, Quasistatic) else ():
-        if own.friction:
-            feature, remedy = "friction on saddles without inertia", "leave friction out, or ask for kind: dynamic"
-            path = ("lines", name, "saddles", saddle, "friction")
-            yield missing(path, what, f"{own.friction:g}", remedy, feature=feature)
 
 
 def between_nodes(name: str, elements: int) -> Finding:
@@ -223,7 +213,11 @@ def _inextensible(parts: Parts) -> Iterator[Finding]:
                 yield missing(("lines", name, key), what, f"{getattr(line, key):g}", remedy)
     if not found or not isinstance(run, Dynamic):
         return
-    yield from _all_of_it(run, what)
+    alone = len(found) == len(parts.lines) and not parts.nets
+    if alone and run.axial_inertia != 1.0:
+        wrong = "lines that do not stretch have no waves along them that could be slower"
+        yield Finding(("run", "axial_inertia"), wrong, f"{run.axial_inertia:g}", "leave it out")
+    yield from _all_of_it(run, what, inertia=alone)
     for name, load in parts.loads.items():
         if getattr(load, "contact", None) in RUBBING:
             remedy = "write clamped or frictionless, or give an axial_stiffness with law hooke"
@@ -411,10 +405,6 @@ def _moves_little(parts: Parts) -> Iterator[Finding]:
     if parts.wind is not None and parts.is_airy and not parts.wind.is_calm:
         remedy = f"give wind a speed of 0, or {_DYNAMIC}"
         yield missing(("wind", "speed"), _LINEAR, "wind that blows", remedy, feature="wind")
-    sheaves = [(name, wheel) for name, line in parts.lines.items() if line for wheel in line.sheaves.values()]
-    if len({wheel.friction > 0.0 for _, wheel in sheaves}) > 1:
-        feature = "lines that friction holds at some of their sheaves, and that slip over others,"
-        yield missing(("lines", sheaves[0][0], "sheaves"), _LINEAR, remedy=_DYNAMIC, feature=feature)
     for name, line in parts.lines.items():
         if line is None:
             continue

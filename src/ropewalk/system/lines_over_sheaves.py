@@ -26,13 +26,17 @@ def over_sheaves(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
             remedy = f"give joints.{wheel.to} a mass"
             feature = "a joint without mass that hangs on sheaves alone"
             yield missing(("lines", name, "sheaves", sheave, "to"), what, wheel.to, remedy, feature=feature)
-    if isinstance(run, Dynamic) and run.geometry == "linearised":
-        remedy = "write geometry: nonlinear, or kind: linear, which is small motion by its modes"
-        yield missing(("run", "geometry"), what, "linearised", remedy)
-    if isinstance(run, Dynamic) and run.axial_inertia != 1.0:
+    if isinstance(run, Dynamic) and run.axial_inertia != 1.0:  # beside a sheave links turn, and steps are no longer
         yield missing(("run", "axial_inertia"), what, f"{run.axial_inertia:g}", "leave axial_inertia out")
-    if isinstance(run, Dynamic) and run.start.kind == "result":
-        yield missing(("run", "start", "kind"), what, "result", "start at rest, or from a mode")
+    if isinstance(run, Dynamic) and run.start.kind == "result":  # results do not hold where sheaves are that move
+        for sheave, wheel in line.sheaves.items():
+            if wheel.to is not None and not _ends_at(wheel.to, parts):
+                path, remedy = (
+                    ("lines", name, "sheaves", sheave, "to"),
+                    f"start at rest, or let a line end at {wheel.to}",
+                )
+                feature = "a sheave on a joint at which no line ends, whose place results do not hold,"
+                yield missing(path, "runs that begin from a result", wheel.to, remedy, feature=feature)
 
 
 def beside_sheaves(parts: Parts) -> Iterator[Finding]:
@@ -57,6 +61,10 @@ def beside_sheaves(parts: Parts) -> Iterator[Finding]:
 
 def _has_mass(joint: str, parts: Parts) -> bool:
     """Whether a joint has a mass, or an end of a line."""
+    return _ends_at(joint, parts) or bool(getattr(parts.joints[joint], "mass", 1.0))
+
+
+def _ends_at(joint: str, parts: Parts) -> bool:
+    """Whether a line ends at a joint."""
     ends = (support for line in parts.lines.values() if line is not None for _, support in line.ends())
-    tied = any(isinstance(support, Joined) and support.to == joint for support in ends)
-    return tied or bool(getattr(parts.joints[joint], "mass", 1.0))
+    return any(isinstance(support, Joined) and support.to == joint for support in ends)

@@ -42,4 +42,5 @@ class Assembled:
     supports: tuple[tuple[str, int], ...]  # names of supports, and which restraints they are
     nets: Nets | None = None
     attached: Attached | None = None
+    sheave: tuple[str, ...] = ()  # names of sheaves, in their order
     stretch: Array | None = None  # (run,) stretch of links whose strain counts from the state that they rest in

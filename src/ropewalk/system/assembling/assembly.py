@@ -200,7 +200,9 @@ def assembled_of(scenario: Scenario, laid: Laid, rest: Array, until: float, axes
     supports = tuple((name, where[node]) for name, node in at_ends.items())
     supports += tuple((name, where[node]) for node, (name, _) in enumerate(crowns, n_lines))
     station = np.concatenate([*(station for *_, station in sections), np.full(n, np.nan)])[:n]
-    return Assembled(structure, axes, r, station, tuple(name for name, *_ in sections), on, supports, nets)
+    wheels = tuple(f"{wheel.line}.{wheel.name}" for wheel in laid.sheaves if wheel.link >= 0)
+    mine = tuple(name for name, *_ in sections)
+    return Assembled(structure, axes, r, station, mine, on, supports, nets, sheave=wheels)
 
 
 def _level(way: Array) -> Array:

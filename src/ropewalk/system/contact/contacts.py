@@ -48,8 +48,8 @@ FASTEST = 0.9025
 AGAIN, FOUND, ROUNDED = 40, 1e-9, 0.5
 # Kink over h^2 of a given force with which it is sought from none, and beyond which it is not.
 BEGIN, MOST = 5e-5, 5e5
-# Part of the kink from which on a step of Newton's method, without bending, changes the stiffness by what its slope tells:
-# what is missing is its square.
+# Step of Newton's method, over the kink, whose change of the stiffness its slope tells where nothing bends: what that
+# misses is the square of it.
 SMALL = 1e-4
 TOGETHER = 1e-12  # the same of those that share links, where no last step of Newton's method makes it better
 
@@ -153,9 +153,7 @@ def _soften(structure, contacts, table, out, k, T, again):
     if contacts[k].kind == BODY:
         free += 0.5 * contacts[k].step ** 2 * (yields(structure, contacts, k) + contacts[k].light)
     whole = T + bending
-    S, slope, taken, contacts[k].curve = stiffness(
-        whole, bending, h, n, 1.0, contacts[k].x, free, again, table, out
-    )
+    S, slope, taken, contacts[k].curve = stiffness(whole, bending, h, n, 1.0, contacts[k].x, free, again, table, out)
     contacts[k].by_tension, contacts[k].firm = slope, S - T * slope
     contacts[k].turn = S * taken * out[2] / (max(out[0], LEAST) * h)
     contacts[k].moving, contacts[k].carried = S, 0.0

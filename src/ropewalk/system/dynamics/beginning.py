@@ -13,10 +13,11 @@ from ropewalk.mechanics.chain import HORIZONTAL, MATERIAL, Array, Integers
 from ropewalk.model.beginning import UP
 from ropewalk.model.line import spatial
 from ropewalk.model.run import Start
-from ropewalk.results.stored import stored_instant
+from ropewalk.results.stored import stored_instant, stored_stations
 from ropewalk.solve.mode_of_structure import mode_of
 from ropewalk.system.contact.contact_record import FREE
 from ropewalk.system.contact.travel import CLOSE, ROUNDS
+from ropewalk.system.elements.sheaves_at_rest import run_over
 from ropewalk.system.elements.structure import Structure, SystemState
 from ropewalk.system.equilibrium.constrained import bring, ways
 from ropewalk.system.equilibrium.statics import SystemPotential
@@ -99,11 +100,14 @@ def _restore(structure: Structure, state: SystemState, start: Start, displayed: 
     """Put all nodes to where they were at a stored instant."""
     rest, restrained = state.r.copy(), structure.restraints
     state.r[:, displayed], state.v[:, displayed] = stored_instant(start, displayed.size, rest.shape[0])
+    if structure.sheaves is not None:
+        stations = stored_stations(start, structure.sheaves.node.size)
+        run_over(structure.sheaves, structure.runs, structure.lines, stations)
     seen, away = set(displayed.tolist()), 0.0
     for e in range(restrained.mass.size):
         nodes = restrained.members(e)
         known = next((int(node) for node in nodes if int(node) in seen), None)
-        if known is None:  # a saddle that stands fast, of which results say nothing
+        if known is None:  # a saddle or a sheave that stands fast, of which results say nothing
             continue
         state.r[:, nodes], state.v[:, nodes] = state.r[:, [known]], state.v[:, [known]]
         tied = np.eye(rest.shape[0]) - restrained.free[e]

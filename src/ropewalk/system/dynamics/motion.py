@@ -27,7 +27,15 @@ from ropewalk.system.elements.cables import (
     stretch_all,
 )
 from ropewalk.system.elements.inertia import kick_along
-from ropewalk.system.elements.saddles import add_saddle_forces, lie_on, rub_on_saddles, stored_in_saddles
+from ropewalk.system.elements.saddles import (
+    add_saddle_forces,
+    bear_on,
+    carried_along,
+    go_along,
+    lie_on,
+    rub_on_saddles,
+    stored_in_saddles,
+)
 from ropewalk.system.elements.sheaves import (
     RUBS,
     add_sheave_forces,
@@ -240,6 +248,10 @@ def _kick_restraints(structure, buffers, state, h, dt, A, b):
             for a in range(axes):
                 for c in range(axes):
                     A[a, c] += structure.inertia.restrained[e, a, c]
+        if lie_on(structure.saddles):
+            for a in range(axes):
+                for c in range(axes):
+                    A[a, c] += carried_along(structure.saddles, e, a, c)
         solve_definite(A, b, axes)
         lost = 0.0
         for a in range(axes):
@@ -263,6 +275,9 @@ def _kick_restraints(structure, buffers, state, h, dt, A, b):
             if structure.inertia.restrained.shape[0] > 0:
                 for c in range(axes):
                     buffers.reaction[e, a] += structure.inertia.restrained[e, a, c] * b[c] / h
+            if lie_on(structure.saddles):
+                for c in range(axes):
+                    buffers.reaction[e, a] += carried_along(structure.saddles, e, a, c) * b[c] / h
         for i in range(restrained.first[e], restrained.first[e] + restrained.nodes[e]):
             for a in range(axes):
                 v[a, restrained.node[i]] += b[a]
@@ -428,14 +443,19 @@ def advance(structure, buffers, contacts, tables, bodies, state, table, out, A, 
         state.work[DAMPED] += h * lost
         state.work[LOADED] += h * blown
         _book(structure, contacts, state)
+        if lie_on(structure.saddles):
+            bear_on(structure.saddles, state.v, structure.nodes.drag, structure.nodes.mass, buffers.force)
         if structure.inertia.along.shape[1] > 0:
             state.work[DAMPED] += kick_along(structure, buffers, state, h)
         else:
             state.work[DAMPED] += _kick_nodes(structure, buffers, state, h, dragged)
-            if lie_on(structure.saddles):
-                light = structure.nodes.light
-                state.work[RUBBED] += rub_on_saddles(structure.saddles, state.r, state.v, light, buffers.force, h)
+        if lie_on(structure.saddles):
+            state.work[RUBBED] += rub_on_saddles(
+                structure.saddles, structure.inertia, structure.nodes.light, state.r, state.v, buffers.force, h
+            )
         _kick_restraints(structure, buffers, state, h, yielding, A, b)
+        if lie_on(structure.saddles):
+            go_along(structure.saddles, state.v)
         note_kick(buffers.tight, h)
         if bodies.mass.size > 0:
             kick(structure, contacts, bodies, state, h, half)

@@ -52,6 +52,7 @@ from ropewalk.system.methods import first_damper, shaken
 from ropewalk.system.reporting import doubts
 from ropewalk.system.reporting.frames import FrameBuilder, SystemNote
 from ropewalk.system.reporting.hold_forces import on_friction
+from ropewalk.system.reporting.sticking_friction import StickingFriction
 
 if TYPE_CHECKING:
     from ropewalk.system.dynamics.implicit import Implicit
@@ -100,6 +101,7 @@ class SystemMotion:
         gravity = np.zeros(len(self.assembled.axes))
         gravity[-1] = -scenario.gravity
         self.structure, self.rest = at_rest(self.assembled.structure, gravity, self.assembled.near)
+        self._friction = StickingFriction(self.structure, self.rest) if asked.geometry == "linearised" else None
         if asked.geometry == "linearised":
             self.structure = about_rest(self.structure, self.rest)
             refuse_limp(self.structure, self.assembled.line, scenario.loads)
@@ -393,6 +395,9 @@ class SystemMotion:
         if t == 0.0:
             self._buffers.react(self.structure.restraints)
         self._ask_turned(t)
+        if self._friction is not None:
+            moved = self.state.r - self.rest
+            doubts.ask_sticking(self._friction, self.structure, moved, self._buffers, self.run_info, t)
         doubts.doubt_struts(self.assembled, self._buffers, self.run_info, t)
         return SystemNote.of(self.state, self._buffers, self.contacts, self.bodies, elastic)
 

@@ -243,6 +243,9 @@ def _at_sheaves(structure: Structure, r: Array) -> Iterator[tuple[float, float]]
         stretched, taut = (float(f(runs.law[s], strain).max()) for f in (law.tangents, law.tensions))
         k = max(stretched, taut * _ARCS) / h
         own = k * (_STUCK if sheaves.friction[q] > 0.0 else 1.0)
+        if structure.is_linearised:  # where there is friction, it sticks where it is, in two pieces
+            shortest = min(float(sheaves.ahead[q]), h - float(sheaves.ahead[q]))
+            own = max(k, 0.5 * k * h / shortest) if sheaves.friction[q] > 0.0 else k
         carrier = int(np.searchsorted(restrained.first, np.flatnonzero(restrained.node == node)[0], side="right")) - 1
         M = (
             float(restrained.mass[carrier] + mass[restrained.members(carrier)].sum())

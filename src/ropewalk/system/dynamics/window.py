@@ -42,7 +42,7 @@ class Window:
     def __init__(self, structure: Structure, width: float, bridges: Collection[int] = ()) -> None:
         self.whole, self._width, self._bridges = structure, width, bridges
         restrained, runs = structure.restraints, structure.runs
-        joints = [_nodes(runs, restrained.members(e)) for e in range(restrained.mass.size)]
+        joints = [_points(structure, restrained.members(e)) for e in range(restrained.mass.size)]
         self._columns = columns_of(structure.ties, runs, structure.nodes.mass.size)
         joints += [column.points for column in self._columns]
         where = [(run, e, at) for e, points in enumerate(joints) for run, at in points]
@@ -184,10 +184,18 @@ def columns_of(ties: Ties | None, runs: Runs, nodes: int) -> list[TiedColumn]:
     return found
 
 
-def _nodes(runs: Runs, nodes: Integers) -> list[tuple[int, float]]:
-    """Runs of nodes, and how far along them they are, m."""
-    found = []
+def _points(structure: Structure, nodes: Integers) -> list[tuple[int, float]]:
+    """Runs of nodes, and how far along them they are, m: those of sheaves and saddles where lines lie."""
+    runs, sheaves, saddles = structure.runs, structure.sheaves, structure.saddles
+    last, found = int((runs.first + runs.links).max()), list[tuple[int, float]]()
     for node in nodes.tolist():
-        s = int(np.searchsorted(runs.first, node, side="right")) - 1
-        found.append((s, float((node - runs.first[s]) * runs.h[s])))
+        if node <= last:
+            s = int(np.searchsorted(runs.first, node, side="right")) - 1
+            found.append((s, float((node - runs.first[s]) * runs.h[s])))
+            continue
+        if sheaves is not None:
+            for s in sheaves.run[sheaves.node == node].tolist():
+                found += [(s, float(runs.links[s] * runs.h[s])), (s + 1, 0.0)]
+        if saddles is not None:
+            found += _points(structure, saddles.about.node[saddles.about.node[:, 1] == node, 0])
     return found

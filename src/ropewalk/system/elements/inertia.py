@@ -71,6 +71,8 @@ def remark_inertia(run_info: RunInfo, factor: float, structure: Structure, rest:
         f"run.axial_inertia of {factor:g} lets waves along lines run {factor**0.5:.3g} times slower than they do: "
         "tensions spread so late"
     )
+    if structure.saddles is not None:
+        run_info.warnings.append(f"run.axial_inertia makes what slides over saddles {factor:g} times as heavy in that")
     runs, along = structure.runs, tangents(structure, rest)
     for name in dict.fromkeys(line):
         own = [s for s, other in enumerate(line) if other == name]

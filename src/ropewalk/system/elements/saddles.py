@@ -12,6 +12,9 @@ so that what sticks does not creep,
 
 and over an arc of nodes tensions differ by exp(mu angle), to the first order of the links on it. Forces act on the
 saddle, which has a node of its own, as on the line.
+
+To the first order about rest, what is in touch there stays so, and friction holds it: such a node goes with the saddle
+but for the way in which it is pressed, and what acts across that acts on the saddle, which is so much heavier.
 """
 
 from __future__ import annotations
@@ -27,6 +30,13 @@ from ropewalk.mechanics.assembly import components, pack
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.model.scenario import Scenario
+from ropewalk.system.elements.elements_about_rest import (
+    ElementsAboutRest,
+    add_forces_about_rest,
+    gathered,
+    is_little,
+    stored_about_rest,
+)
 
 # Radius of the groove across the line over that along it.
 _GROOVE = 0.05
@@ -46,6 +56,10 @@ class Saddles(NamedTuple):
     k: Array  # N/m
     axis: Array  # (saddle, axis) unit vector; zero in a plane
     way: Array  # (axis,) room: change of g with the place of a node
+    about: ElementsAboutRest = ElementsAboutRest.nothing()  # of nodes in touch, each with that of its saddle
+    stuck_nodes: Integers = np.zeros((0, 2), dtype=np.int64)  # (stuck, 2) in small motion, and their saddles
+    press: Array = np.zeros((0, 0))  # (stuck, axis) unit vectors that press them
+    heavier: Array = np.zeros((0, 0, 0))  # (restraint, axis, axis) kg, of these with their saddles
 
     @staticmethod
     def nothing(axes: int) -> Saddles:
@@ -53,7 +67,7 @@ class Saddles(NamedTuple):
         i, x = np.zeros(0, dtype=np.int64), np.zeros(0)
         return Saddles(i, i, i, x, x, x, x, np.zeros((0, axes)), np.zeros(axes))
 
-    def _depths(self, r: Array) -> list[tuple[int, Integers, Array, Array, Array]]:
+    def touched(self, r: Array) -> list[tuple[int, Integers, Array, Array, Array]]:
         """Saddles that are touched, the nodes that touch them, g in m, its gradient (axis, node) and its slope."""
         found = []
         for e in range(self.node.size):
@@ -72,29 +86,55 @@ class Saddles(NamedTuple):
         return found
 
     def stiffness(self, r: Array) -> sparse.csc_matrix:
-        """Second derivatives of V, (place, place) N/m."""
-        axes, n = r.shape
-        rows, columns, values = [], [], []
-        for e, nodes, g, slope, unit in self._depths(r):
+        """Second derivatives of V, (place, place) N/m; linearised: at rest."""
+        node, K, *_ = (self.about.node, self.about.stiffness) if self.about.are_there else self._touching(r)
+        return gathered(node, K, r.shape[1], r.shape[0])
+
+    def _touching(self, r: Array) -> tuple[Integers, Array, Array, Array]:
+        """Nodes in touch and those of their saddles, their stiffness, N/m, forces, N, and energies, J."""
+        axes = r.shape[0]
+        node, K, force, stored = list[tuple[int, int]](), list[Array](), list[Array](), list[float]()
+        for e, nodes, g, slope, unit in self.touched(r):
             flat = np.eye(axes) - np.outer(self.axis[e], self.axis[e])
-            for i, depth, p, u in zip(nodes, g, slope.T, unit.T, strict=True):
+            for i, depth, p, u in zip(nodes.tolist(), g, slope.T, unit.T, strict=True):
                 curved = np.outer(self.axis[e], self.axis[e]) / self.groove[e] - flat * float(u @ u) + np.outer(u, u)
-                block = self.k[e] * (np.outer(p, p) + depth * curved)
-                own, other = np.arange(axes) * n + i, np.arange(axes) * n + self.node[e]
-                for one, two, sign in ((own, own, 1.0), (other, other, 1.0), (own, other, -1.0), (other, own, -1.0)):
-                    rows.append(np.repeat(one, axes))
-                    columns.append(np.tile(two, axes))
-                    values.append(sign * block.ravel())
-        if not rows:
-            return sparse.csc_matrix((r.size, r.size))
-        at = np.concatenate(rows), np.concatenate(columns)
-        return sparse.csc_matrix((np.concatenate(values), at), shape=(r.size, r.size))
+                block, pull = self.k[e] * (np.outer(p, p) + depth * curved), -self.k[e] * depth * p
+                node.append((i, int(self.node[e])))
+                K.append(np.block([[block, -block], [-block, block]]))
+                force.append(np.concatenate([pull, -pull]))
+                stored.append(0.5 * float(self.k[e] * depth**2))
+        count, size = len(node), 2 * axes
+        return (
+            np.array(node, dtype=np.int64).reshape(count, 2), np.array(K).reshape(count, size, size),
+            np.array(force).reshape(count, size), np.array(stored),
+        )  # fmt: skip
+
+    def about_rest(self, rest: Array, mass: Array, restraint: Integers, free: Array) -> Saddles:
+        """The same, linearised about places of all nodes at rest (axis, node) in m.
+
+        Args:
+            rest: (axis, node) m.
+            mass: (node,) kg.
+            restraint: (saddle,) that holds each.
+            free: (restraint, axis, axis) projections onto the directions in which they may move.
+        """
+        node, K, force, stored = self._touching(rest)
+        stuck, axes = self.stuck(rest), rest.shape[0]
+        heavier = np.zeros_like(free)
+        for e, i, way in stuck:
+            P = free[restraint[e]]
+            heavier[restraint[e]] += mass[i] * P @ (np.eye(axes) - np.outer(way, way)) @ P
+        return self._replace(
+            about=ElementsAboutRest.of(node, rest, force, K, np.zeros_like(K), stored),
+            stuck_nodes=np.array([(i, self.node[e]) for e, i, _ in stuck], dtype=np.int64).reshape(-1, 2),
+            press=np.array([way for *_, way in stuck]).reshape(-1, axes), heavier=heavier,
+        )  # fmt: skip
 
     def stuck(self, r: Array) -> list[tuple[int, int, Array]]:
         """Nodes that lie on saddles with friction: saddle, node, and the unit vector (axis,) that presses it."""
         return [
             (e, int(i), p / np.linalg.norm(p))
-            for e, nodes, _, slope, _ in self._depths(r) if self.friction[e] > 0.0
+            for e, nodes, _, slope, _ in self.touched(r) if self.friction[e] > 0.0
             for i, p in zip(nodes, slope.T, strict=True)
         ]  # fmt: skip
 
@@ -102,7 +142,7 @@ class Saddles(NamedTuple):
         """Forces in N with which nodes are pressed into saddles, by node."""
         return {
             int(i): float(self.k[e] * depth * np.linalg.norm(p))
-            for e, nodes, g, slope, _ in self._depths(r)
+            for e, nodes, g, slope, _ in self.touched(r)
             for i, depth, p in zip(nodes, g, slope.T, strict=True)
         }  # fmt: skip
 
@@ -229,6 +269,9 @@ def add_saddle_forces(saddles, r, force):
     """Add the forces of all saddles on nodes, and back on the saddles."""
     if saddles is None:
         return
+    if is_little(saddles.about):
+        add_forces_about_rest(saddles.about, r, force)
+        return
     for e in range(saddles.node.size):
         own = saddles.node[e]
         for i in range(saddles.first[e], saddles.last[e] + 1):
@@ -246,6 +289,8 @@ def stored_in_saddles(saddles, r):
     total = 0.0
     if saddles is None:
         return total
+    if is_little(saddles.about):
+        return stored_about_rest(saddles.about, r)
     for e in range(saddles.node.size):
         for i in range(saddles.first[e], saddles.last[e] + 1):
             total += 0.5 * saddles.k[e] * max(_depth(saddles, r, e, i), 0.0) ** 2
@@ -253,11 +298,17 @@ def stored_in_saddles(saddles, r):
 
 
 @lean_inner
-def rub_on_saddles(saddles, r, v, light, force, h):
-    """Let friction act in a kick of the length h that nodes have got; returns what it takes, J."""
+def rub_on_saddles(saddles, inertia, light, r, v, force, h):
+    """Let friction act in a kick of the length h that nodes have got; returns what it takes, J.
+
+    Where nodes are heavier along their lines, by f - 1, so is what friction has to stop: M u.
+    """
     lost = 0.0
     if saddles is None:
         return lost
+    if is_little(saddles.about):
+        return lost
+    heavier = inertia.factor - 1.0 if inertia.along.shape[1] > 0 else 0.0
     for e in range(saddles.node.size):
         if saddles.friction[e] == 0.0:
             continue
@@ -268,21 +319,74 @@ def rub_on_saddles(saddles, r, v, light, force, h):
             g = _depth(saddles, r, e, i)
             if g <= 0.0:
                 continue
-            into = steep = square = 0.0
+            into = steep = square = across = along = pulled = 0.0
             for a in range(r.shape[0]):
                 into += (v[a, i] - v[a, own]) * saddles.way[a]
                 steep += saddles.way[a] ** 2
+                if heavier != 0.0:
+                    across += inertia.along[a, i] * saddles.way[a]
+                    pulled += inertia.along[a, i] * force[a, i]
+            if heavier != 0.0:
+                for a in range(r.shape[0]):
+                    flat = inertia.along[a, i] - across / steep * saddles.way[a]
+                    along += flat * (v[a, i] - v[a, own])
             for a in range(r.shape[0]):
-                square += (v[a, i] - v[a, own] - into / steep * saddles.way[a]) ** 2
+                momentum = v[a, i] - v[a, own] - into / steep * saddles.way[a]
+                if heavier != 0.0:
+                    momentum += heavier * along * (inertia.along[a, i] - across / steep * saddles.way[a])
+                square += momentum**2
             speed = np.sqrt(square)
             if speed == 0.0:
                 continue
-            slower = min(saddles.friction[e] * saddles.k[e] * g * np.sqrt(steep) * h * light[i], speed)
+            part = min(saddles.friction[e] * saddles.k[e] * g * np.sqrt(steep) * h * light[i] / speed, 1.0)
             for a in range(r.shape[0]):
                 u = v[a, i] - v[a, own]
-                change = slower / speed * (u - into / steep * saddles.way[a])
+                change = part * (u - into / steep * saddles.way[a])
+                momentum, kicked = change, force[a, i]
+                if heavier != 0.0:
+                    momentum += part * heavier * along * (inertia.along[a, i] - across / steep * saddles.way[a])
+                    kicked -= heavier / (1.0 + heavier) * pulled * inertia.along[a, i]
                 # At the mean of the velocities before and behind the kick: what sticks loses nothing.
-                lost += change * (u - 0.5 * (change + h * light[i] * force[a, i])) / light[i]
+                lost += momentum * (u - 0.5 * (change + h * light[i] * kicked)) / light[i]
                 v[a, i] -= change
-                force[a, own] += change / (light[i] * h)
+                force[a, own] += momentum / (light[i] * h)
     return lost
+
+
+@lean_inner
+def carried_along(saddles, e, a, c):
+    """What nodes that friction holds in small motion add to the mass of restraint e in directions a and c, kg."""
+    if saddles is None:
+        return 0.0
+    return saddles.heavier[e, a, c] if saddles.heavier.shape[0] > 0 else 0.0
+
+
+@lean_inner
+def bear_on(saddles, v, drag, mass, force):
+    """Let saddles bear what acts on the nodes that friction holds there, but for what presses them."""
+    if saddles is None:
+        return
+    for c in range(saddles.stuck_nodes.shape[0]):
+        i, own = saddles.stuck_nodes[c, 0], saddles.stuck_nodes[c, 1]
+        pressed = into = 0.0
+        for a in range(v.shape[0]):
+            pressed += saddles.press[c, a] * force[a, i]
+            into += saddles.press[c, a] * v[a, i]
+        for a in range(v.shape[0]):
+            along = force[a, i] - saddles.press[c, a] * pressed
+            force[a, i] -= along
+            force[a, own] += along - drag[i] * mass[i] * (v[a, i] - saddles.press[c, a] * into)
+
+
+@lean_inner
+def go_along(saddles, v):
+    """Let the nodes that friction holds on saddles go with these, but for the way in which they are pressed."""
+    if saddles is None:
+        return
+    for c in range(saddles.stuck_nodes.shape[0]):
+        i, own = saddles.stuck_nodes[c, 0], saddles.stuck_nodes[c, 1]
+        into = 0.0
+        for a in range(v.shape[0]):
+            into += saddles.press[c, a] * (v[a, i] - v[a, own])
+        for a in range(v.shape[0]):
+            v[a, i] = v[a, own] + saddles.press[c, a] * into

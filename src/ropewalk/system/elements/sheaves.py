@@ -8,6 +8,9 @@ pieces, which share its unstrained length h:
 Without friction s is where V is least, so that both tensions are equal at any time. With friction it slips as soon as
 one of them exceeds exp(mu theta) times the other (Euler and Eytelwein), and until it no longer does. When a node comes
 to the sheave, it is handed over from one run to the other.
+
+To the first order about rest, s goes with the places of the three nodes where there is no friction; where there is any,
+the line sticks, for it takes a finite motion to overcome it. No node comes to a sheave then.
 """
 
 from __future__ import annotations
@@ -17,10 +20,18 @@ import numpy as np
 from ropewalk.mechanics import law
 from ropewalk.mechanics.compiled import inlined, lean, lean_inner
 from ropewalk.system.elements.compliance import ARC, SHORT_ARC
+from ropewalk.system.elements.elements_about_rest import (
+    add_forces_about_rest,
+    gather_about_rest,
+    is_little,
+    stored_about_rest,
+)
 from ropewalk.system.elements.structure import RUBBED
 
-# How lines slip: without friction, with it, or not at all.
-SLIPS, RUBS, STICKS = 0, 1, 2
+# How lines slip: without friction, with it, not at all, or as in small motion: not where there is any.
+SLIPS, RUBS, STICKS, LITTLE = 0, 1, 2, 3
+# What of a sheave goes with places in small motion: rows of `Sheaves.rest`.
+BEHIND, AHEAD, SLIPPED, STRAIN, MEAN = range(5)
 # A sheave is taken to be no closer to a node than this part of the link over which it stands.
 CLOSEST = 1e-9
 # Rounds in which a slip is found, and the part of a link to which it is.
@@ -111,10 +122,26 @@ def _slipped(p, l1, l2, h, s, ratio, w1, w2):
 
 
 @lean_inner
+def _near_rest(sheaves, q, row):
+    """What is in a row of `Sheaves.rest`, to the first order of how far the nodes of sheave q are from there."""
+    value = sheaves.rest[q, row]
+    for n in range(sheaves.about.away.size):
+        value += sheaves.changes[q, row, n] * sheaves.about.away[n]
+    return value
+
+
+@lean_inner
 def slip(sheaves, runs, r, how):
-    """Let lines slip over their sheaves, SLIPS, RUBS or STICKS; returns what friction takes, J."""
+    """Let lines slip over their sheaves, SLIPS, RUBS, STICKS or LITTLE; returns what friction takes, J."""
     lost = 0.0
     if sheaves is None:
+        return lost
+    if is_little(sheaves.about):
+        for q in range(sheaves.node.size):
+            gather_about_rest(sheaves.about, q, r)
+            sheaves.tension[q, 0] = _near_rest(sheaves, q, BEHIND)
+            sheaves.tension[q, 1] = _near_rest(sheaves, q, AHEAD)
+            sheaves.ahead[q] = _near_rest(sheaves, q, SLIPPED)
         return lost
     for q in range(sheaves.node.size):
         run, b, w1, w2 = sheaves.run[q], sheaves.node[q], 0.0, 0.0
@@ -123,7 +150,7 @@ def slip(sheaves, runs, r, how):
         for a in range(r.shape[0]):
             w1 += 0.5 * sheaves.weight[q, a] * (r[a, b] - r[a, e])
             w2 += 0.5 * sheaves.weight[q, a] * (r[a, b] - r[a, e + 1])
-        if how != STICKS:
+        if how != STICKS and (how != LITTLE or sheaves.friction[q] == 0.0):
             ratio = np.exp(sheaves.friction[q] * _turning_angle(r, e, b, e + 1, l1, l2)) if how == RUBS else 1.0
             s = _slipped(p, l1, l2, h, was, ratio, w1, w2)
             if how == RUBS and sheaves.friction[q] > 0.0:
@@ -142,11 +169,46 @@ def stretch_over(sheaves, runs, buffers, r):
     """Lengths of all links that sheaves divide, and their strains in the mean."""
     if sheaves is None:
         return
+    if is_little(sheaves.about):
+        for q in range(sheaves.node.size):
+            gather_about_rest(sheaves.about, q, r)
+            e = sheaves.about.node[q, 0]
+            buffers.strain[e] = _near_rest(sheaves, q, STRAIN)
+            buffers.length[e] = runs.h[sheaves.run[q]] * (1.0 + buffers.strain[e])
+        return
     for q in range(sheaves.node.size):
         run, b = sheaves.run[q], sheaves.node[q]
         e = runs.first[run] + runs.links[run]
         buffers.length[e] = _distance(r, e, b) + _distance(r, b, e + 1)
         buffers.strain[e] = buffers.length[e] / runs.h[run] - 1.0
+
+
+@lean_inner
+def _lag(buffers, e, c, since):
+    """Tension of the damper of link e, N, whose strain has been looked at `since` s ago."""
+    if since > 0.0:
+        buffers.rate[e] = (buffers.strain[e] - buffers.before[e]) / since
+        buffers.before[e] = buffers.strain[e]
+    return c * buffers.rate[e]
+
+
+@lean_inner
+def _add_forces_near_rest(sheaves, runs, buffers, r, since):
+    """The same to the first order about rest."""
+    lost, axes, about = 0.0, r.shape[0], sheaves.about
+    add_forces_about_rest(about, r, buffers.force)
+    for q in range(sheaves.node.size):
+        e, h, c = about.node[q, 0], runs.h[sheaves.run[q]], runs.damping[sheaves.run[q]]
+        gather_about_rest(about, q, r)
+        buffers.tension[e] = _near_rest(sheaves, q, MEAN)
+        if c > 0.0:
+            viscous = _lag(buffers, e, c, since)
+            lost += viscous * h * buffers.rate[e]
+            buffers.tension[e] += viscous
+            for i in range(3):
+                for a in range(axes):
+                    buffers.force[a, about.node[q, i]] -= h * viscous * sheaves.changes[q, STRAIN, i * axes + a]
+    return lost
 
 
 @lean_inner
@@ -159,15 +221,14 @@ def add_sheave_forces(sheaves, runs, buffers, r, since):
     lost = 0.0
     if sheaves is None:
         return lost
+    if is_little(sheaves.about):
+        return _add_forces_near_rest(sheaves, runs, buffers, r, since)
     for q in range(sheaves.node.size):
         run, b, s, viscous = sheaves.run[q], sheaves.node[q], sheaves.ahead[q], 0.0
         e, h, c = runs.first[run] + runs.links[run], runs.h[run], runs.damping[run]
         l1, l2 = max(_distance(r, e, b), CLOSEST * h), max(_distance(r, b, e + 1), CLOSEST * h)
         if c > 0.0:
-            if since > 0.0:
-                buffers.rate[e] = (buffers.strain[e] - buffers.before[e]) / since
-                buffers.before[e] = buffers.strain[e]
-            viscous = c * buffers.rate[e]
+            viscous = _lag(buffers, e, c, since)
             lost += viscous * h * buffers.rate[e]
         buffers.tension[e] = law.tension(runs.law[run], buffers.strain[e]) + viscous
         q1, q2 = (sheaves.tension[q, 0] + viscous) / l1, (sheaves.tension[q, 1] + viscous) / l2
@@ -212,6 +273,14 @@ def stored_at(sheaves, runs, r):
     """Energy stored in all pieces as they have slipped, J."""
     total = 0.0
     if sheaves is None:
+        return total
+    if is_little(sheaves.about):  # without what `gravitational` has
+        total = stored_about_rest(sheaves.about, r)
+        for q in range(sheaves.node.size):
+            e, b, j = sheaves.about.node[q, 0], sheaves.about.node[q, 1], sheaves.about.node[q, 2]
+            h, s = runs.h[sheaves.run[q]], sheaves.ahead[q]
+            for a in range(r.shape[0]):
+                total -= 0.5 * sheaves.weight[q, a] * ((h - s) * r[a, e] + s * r[a, j] - h * r[a, b])
         return total
     for q in range(sheaves.node.size):
         run, b, s = sheaves.run[q], sheaves.node[q], sheaves.ahead[q]
@@ -267,6 +336,8 @@ def pass_nodes(sheaves, lines, runs, mass, r, v, work):
         False where a line has come to its end, or to another sheave.
     """
     if sheaves is None:
+        return True
+    if is_little(sheaves.about):
         return True
     for q in range(sheaves.node.size):
         b, run = sheaves.node[q], sheaves.run[q]

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import scipy.sparse as sparse
 
 from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array, Integers
-from ropewalk.system.elements.sheaves import CLOSEST, SLIPS
-from ropewalk.system.elements.structure import Runs, Sheaves
+from ropewalk.system.elements.elements_about_rest import ElementsAboutRest, gathered
+from ropewalk.system.elements.sheaves import CLOSEST, LITTLE, STICKS
+from ropewalk.system.elements.structure import Lines, Runs, Sheaves
 
 # A node is at a sheave if it is closer than this part of a link.
 _AT = 1e-4
@@ -24,10 +27,7 @@ def _nodes(sheaves: Sheaves, runs: Runs) -> Integers:
 
 def neighbours_of(sheaves: Sheaves, runs: Runs, nodes: int, axes: int) -> sparse.csc_matrix:
     """Ones where the stiffness of pieces may have entries, (place, place)."""
-    at = (_nodes(sheaves, runs)[:, :, None] + nodes * np.arange(axes)).reshape(-1, 3 * axes)
-    rows, columns = (np.broadcast_to(part, (*at.shape, 3 * axes)).ravel() for part in (at[:, :, None], at[:, None]))
-    size = axes * nodes
-    return sparse.coo_matrix((np.ones(rows.size), (rows, columns)), shape=(size, size)).tocsc()
+    return gathered(_nodes(sheaves, runs), np.ones((sheaves.node.size, 3 * axes, 3 * axes)), nodes, axes)
 
 
 def part_until_passing(sheaves: Sheaves, runs: Runs, way: Array) -> float:
@@ -40,19 +40,41 @@ def part_until_passing(sheaves: Sheaves, runs: Runs, way: Array) -> float:
 
 
 def stiffness_of(sheaves: Sheaves, runs: Runs, r: Array, how: int) -> sparse.csc_matrix:
-    """Second derivatives of the energy of all pieces, (place, place) N/m; places as (axis, node).
+    """Second derivatives of the energy of all pieces, (place, place) N/m; places as (axis, node); linearised: at rest.
 
     Args:
-        how: SLIPS: with the slip at which it is least; STICKS: with the slip as it is.
+        how: SLIPS: with the slip at which it is least; STICKS: with the slip as it is; LITTLE: as small motion has it.
     """
-    axes, n = r.shape
-    row, column, value = [], [], []
-    for q, (b, run) in enumerate(zip(sheaves.node, sheaves.run, strict=True)):
-        e, h, p, s = int(runs.first[run] + runs.links[run]), runs.h[run], runs.law[run], sheaves.ahead[q]
-        K = np.zeros((3, axes, 3, axes))  # of e, b, e + 1
-        bent, curved = np.zeros((3, axes)), 0.0
+    if sheaves.about.are_there:
+        return gathered(sheaves.about.node, sheaves.about.stiffness, r.shape[1], r.shape[0])
+    K = [_Derivatives.of(sheaves, runs, r, q).stiffness(_sticks(sheaves, q, how)) for q in range(sheaves.node.size)]
+    return gathered(_nodes(sheaves, runs), np.array(K), r.shape[1], r.shape[0])
+
+
+def _sticks(sheaves: Sheaves, q: int, how: int) -> bool:
+    return how == STICKS or (how == LITTLE and bool(sheaves.friction[q] > 0.0))
+
+
+class _Derivatives(NamedTuple):
+    """Derivatives of the energy of both pieces at a sheave, by places of its nodes and by what is behind it, s."""
+
+    across: Array  # (place, place) N/m, with s as it is
+    bent: Array  # (place,) N/m, by places and s
+    curved: float  # N/m, twice by s
+    longer: Array  # (2, place) change of the lengths of both pieces
+    firm: Array  # (2,) N/m, change of their tensions with their lengths
+    stretch: Array  # (2,)
+
+    @staticmethod
+    def of(sheaves: Sheaves, runs: Runs, r: Array, q: int) -> _Derivatives:
+        """Those of sheave q at places r (axis, node) in m."""
+        axes, run = r.shape[0], int(sheaves.run[q])
+        h, p, s = runs.h[run], runs.law[run], sheaves.ahead[q]
+        nodes = _nodes(sheaves, runs)[q]
+        K, bent, curved = np.zeros((3, axes, 3, axes)), np.zeros((3, axes)), 0.0
+        longer, firm, stretches = np.zeros((2, 3, axes)), np.zeros(2), np.zeros(2)
         for one, rest, sign in ((0, s, -1.0), (1, h - s, 1.0)):  # the piece between the places `one` and `one` + 1
-            chord = r[:, [b, e + 1][one]] - r[:, [e, b][one]]
+            chord = r[:, nodes[one + 1]] - r[:, nodes[one]]
             length = max(float(np.linalg.norm(chord)), CLOSEST * h)
             stretch, T = length / rest, float(law.tension(p, length / rest - 1.0))
             k = float(law.tangent(p, stretch - 1.0)) / rest
@@ -64,17 +86,51 @@ def stiffness_of(sheaves: Sheaves, runs: Runs, r: Array, how: int) -> sparse.csc
             bent[one] -= sign * k * stretch * unit
             bent[one + 1] += sign * k * stretch * unit
             curved += k * stretch**2
+            longer[one, one], longer[one, one + 1], firm[one], stretches[one] = -unit, unit, k, stretch
         w = 0.5 * sheaves.weight[q]
         bent[0] -= w
         bent[2] += w
-        if how == SLIPS and curved > 0.0:
-            K -= bent[:, :, None, None] * bent[None, None] / curved
-        at = (np.array([e, b, e + 1])[:, None] + n * np.arange(axes)).ravel()
-        row.append(np.repeat(at, at.size))
-        column.append(np.tile(at, at.size))
-        value.append(K.ravel())
-    entries = np.concatenate(value), (np.concatenate(row), np.concatenate(column))
-    return sparse.coo_matrix(entries, shape=(axes * n, axes * n)).tocsc()
+        size = 3 * axes
+        return _Derivatives(
+            K.reshape(size, size), bent.ravel(), float(curved), longer.reshape(2, size), firm, stretches
+        )  # fmt: skip
+
+    def slip(self, sticks: bool) -> Array:
+        """Change of s with places, (place,)."""
+        return np.zeros_like(self.bent) if sticks or self.curved <= 0.0 else -self.bent / self.curved
+
+    def stiffness(self, sticks: bool) -> Array:
+        """Second derivatives with s where the energy is least, or as it is, (place, place) N/m."""
+        return np.asarray(self.across + np.outer(self.bent, self.slip(sticks)))
+
+    def tensions(self, sticks: bool) -> Array:
+        """Change of both tensions with places, (2, place) N/m."""
+        way = np.outer(self.stretch * [1.0, -1.0], self.slip(sticks))
+        return np.asarray(self.firm[:, None] * (self.longer - way))
+
+
+def about_rest(sheaves: Sheaves, runs: Runs, rest: Array) -> Sheaves:
+    """The same, with slip and tensions of rest, linearised about places of all nodes there (axis, node) in m."""
+    nodes, count, axes = _nodes(sheaves, runs), sheaves.node.size, rest.shape[0]
+    size = 3 * axes
+    K, C, changes = np.zeros((count, size, size)), np.zeros((count, size, size)), np.zeros((count, 5, size))
+    stored, at_rest, force = np.zeros(count), np.zeros((count, 5)), np.zeros((count, size))
+    for q, run in enumerate(sheaves.run.tolist()):
+        h, p, s, sticks = runs.h[run], runs.law[run], sheaves.ahead[q], _sticks(sheaves, q, LITTLE)
+        derived = _Derivatives.of(sheaves, runs, rest, q)
+        longer = derived.longer.sum(axis=0)
+        K[q], C[q] = derived.stiffness(sticks), runs.damping[run] / h * np.outer(longer, longer)
+        one, two = derived.stretch - 1.0
+        strain = (s * derived.stretch[0] + (h - s) * derived.stretch[1]) / h - 1.0
+        at_rest[q] = *sheaves.tension[q], s, strain, float(law.tension(p, strain))
+        slope = float(law.tangent(p, strain))
+        changes[q] = *derived.tensions(sticks), derived.slip(sticks), longer / h, slope * longer / h
+        stored[q] = s * float(law.stored(p, one)) + (h - s) * float(law.stored(p, two))
+        r, w = rest[:, nodes[q]], 0.5 * sheaves.weight[q]
+        stored[q] += float(w @ ((h - s) * r[:, 0] + s * r[:, 2] - h * r[:, 1]))
+        force[q] = -sheaves.tension[q] @ derived.longer - np.concatenate([(h - s) * w, -h * w, s * w])
+    about = ElementsAboutRest.of(nodes, rest, force, K, C, stored)
+    return sheaves._replace(about=about, rest=at_rest, changes=changes)
 
 
 def push_over(sheaves: Sheaves, runs: Runs, r: Array) -> None:
@@ -92,6 +148,18 @@ def push_over(sheaves: Sheaves, runs: Runs, r: Array) -> None:
             length = float(np.linalg.norm(way))
             if sheaves.tension[q, 1 - side] > law.tension(runs.law[run], length / h - 1.0):
                 r[:, near] = r[:, b] + 1e-9 * h * way / length
+
+
+def run_over(sheaves: Sheaves, runs: Runs, lines: Lines, station: Array) -> None:
+    """Let lines run on until stations (sheave,) in m are at their sheaves."""
+    for q, run in enumerate(sheaves.run.tolist()):
+        h, begin, was = float(runs.h[run]), float(lines.begin[run]), int(runs.links[run])
+        links = int(np.floor((station[q] - begin) / h))
+        way = links - was
+        runs.links[run], runs.links[run + 1] = links, runs.links[run + 1] - way
+        runs.first[run + 1] += way
+        lines.begin[run + 1] += way * h
+        sheaves.ahead[q] = np.clip(station[q] - begin - links * h, CLOSEST * h, (1.0 - CLOSEST) * h)
 
 
 def turned_at(sheaves: Sheaves, runs: Runs, r: Array) -> Array:
@@ -112,6 +180,8 @@ def gravitational(sheaves: Sheaves, runs: Runs, r: Array) -> float:
 def damping_of(sheaves: Sheaves, runs: Runs, r: Array) -> sparse.csc_matrix:
     """Forces of the dampers of all links that sheaves divide over velocities, (place, place) N s/m."""
     axes, n = r.shape
+    if sheaves.about.are_there:
+        return gathered(sheaves.about.node, sheaves.about.damping, n, axes)
     C = sparse.csc_matrix((axes * n, axes * n))
     for b, run in zip(sheaves.node, sheaves.run, strict=True):
         e, longer = int(runs.first[run] + runs.links[run]), np.zeros((axes, n))

@@ -17,6 +17,7 @@ from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import records
 from ropewalk.results.frames import summed
+from ropewalk.system.elements.elements_about_rest import ElementsAboutRest
 from ropewalk.system.elements.profile import Profiles
 from ropewalk.system.elements.saddles import Saddles
 from ropewalk.system.elements.segments import Segments
@@ -169,6 +170,10 @@ class Sheaves(NamedTuple):
     tension: Array  # (sheave, 2) N, behind and ahead, without damping
     drive: Array  # N, by which it was pulled behind more than ahead when it slipped last: energy over slip
     weight: Array  # (sheave, axis) N/m, of the line
+    about: ElementsAboutRest = ElementsAboutRest.nothing()
+    # (sheave, 5) at rest: both tensions, N, what is behind, m, strain and tension of the link in the mean, N
+    rest: Array = np.zeros((0, 5))
+    changes: Array = np.zeros((0, 5, 0))  # (sheave, 5, place) of these with places of its element
 
     @staticmethod
     def nothing(axes: int) -> Sheaves:

@@ -20,13 +20,23 @@ import scipy.sparse as sparse
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import lean, lean_inner
 from ropewalk.system.elements.cells import Cells
-from ropewalk.system.elements.cells_about_rest import (
-    CellsAboutRest,
+from ropewalk.system.elements.elements_about_rest import (
+    ElementsAboutRest,
     add_forces_about_rest,
     damp_about_rest,
+    gathered,
+    is_little,
     stored_about_rest,
 )
-from ropewalk.system.elements.membrane_elements import add_membrane_forces, cell_stiffness, damp_cells, stored
+from ropewalk.system.elements.membrane_elements import (
+    add_membrane_forces,
+    cell_stiffness,
+    damp_cells,
+    stored,
+    tensions_of,
+)
+
+_PART = 1e-4  # of the side of the smallest cell, over which tensions are differenced
 
 
 class Surfaces(NamedTuple):
@@ -42,7 +52,7 @@ class Surfaces(NamedTuple):
     F: Array  # (3, 2) room
     P: Array
     V: Array
-    about: CellsAboutRest = CellsAboutRest.nothing()
+    about: ElementsAboutRest = ElementsAboutRest.nothing()
 
     @staticmethod
     def of(cells: Cells, laid: list[tuple[int, Integers, Array]]) -> Surfaces:
@@ -91,16 +101,15 @@ class Surfaces(NamedTuple):
     @property
     def is_linearised(self) -> bool:
         """Whether cells are linearised about rest."""
-        return bool(self.about.stored.size > 0)
+        return self.about.are_there
 
     def about_rest(self, rest: Array) -> Surfaces:
         """The same, linearised about places of all nodes at rest (axis, node) in m."""
         count = self.cells.area.size
         force, energies = np.zeros((count, 9)), np.zeros(count)
         _at_rest(self.cells, rest, np.zeros_like(rest), force, energies, self.F, self.P)
-        place = rest[:, self.cells.node].transpose(1, 2, 0).reshape(count, 9)
         K, C = self._stiffness(rest), self._damping(rest)
-        return self._replace(about=CellsAboutRest(place, force, K, C, energies, np.zeros(9)))
+        return self._replace(about=ElementsAboutRest.of(self.cells.node, rest, force, K, C, energies))
 
     def neighbours(self, nodes: int) -> sparse.csc_matrix:
         """Ones where the stiffness may have entries, (place, place)."""
@@ -108,10 +117,7 @@ class Surfaces(NamedTuple):
 
     def _gathered(self, values: Array, nodes: int) -> sparse.csc_matrix:
         """Matrices of all cells (cell, 9, 9), by corners and axes, as one of all places, (place, place)."""
-        at = (self.cells.node[:, :, None] + nodes * np.arange(3)).reshape(-1, 9)
-        rows, columns = np.broadcast_to(at[:, :, None], values.shape), np.broadcast_to(at[:, None, :], values.shape)
-        size = 3 * nodes
-        return sparse.coo_matrix((values.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size)).tocsc()
+        return gathered(self.cells.node, values, nodes, 3)
 
 
 @lean
@@ -178,8 +184,8 @@ def add_surface_forces(surfaces, r, force):
     if surfaces is None:
         return
     cells = surfaces.cells
-    if surfaces.about.stored.size > 0:
-        add_forces_about_rest(surfaces.about, cells, r, force)
+    if is_little(surfaces.about):
+        add_forces_about_rest(surfaces.about, r, force)
     else:
         add_membrane_forces(cells, 0, cells.area.size, r.T, force.T, surfaces.F, surfaces.P)
 
@@ -190,8 +196,8 @@ def damp_surfaces(surfaces, r, v, force):
     if surfaces is None:
         return 0.0
     cells = surfaces.cells
-    if surfaces.about.stored.size > 0:
-        return damp_about_rest(surfaces.about, cells, v, force)
+    if is_little(surfaces.about):
+        return damp_about_rest(surfaces.about, v, force)
     return damp_cells(cells, 0, cells.area.size, r.T, v.T, force.T, surfaces.F, surfaces.P, surfaces.V)
 
 
@@ -208,9 +214,20 @@ def stored_in(surfaces, r):
     """Energy stored in all cells, J."""
     if surfaces is None:
         return 0.0
-    if surfaces.about.stored.size > 0:
-        return stored_about_rest(surfaces.about, surfaces.cells, r)
+    if is_little(surfaces.about):
+        return stored_about_rest(surfaces.about, r)
     total = 0.0
     for e in range(surfaces.cells.area.size):
         total += stored(surfaces.cells, e, r.T, surfaces.F)
     return total
+
+
+def tensions_about_rest(cells: Cells, count: int, rest: Array, r: Array) -> Array:
+    """Tensions per width (cell, 2) of the first cells to the first order about rest, N/m; places as (axis, node)."""
+    found, x = tensions_of(cells, count, rest.T), r - rest
+    size = float(np.abs(x).max(initial=0.0))
+    if size == 0.0:
+        return found
+    part = _PART * float(np.sqrt(cells.area.min())) / size
+    ahead, behind = (tensions_of(cells, count, (rest + sign * part * x).T) for sign in (1.0, -1.0))
+    return np.asarray(found + (ahead - behind) / (2.0 * part))

@@ -15,6 +15,7 @@ from ropewalk.model.load import AnyLoad
 from ropewalk.solve import minimum
 from ropewalk.system.elements.cables import add_wind_forces
 from ropewalk.system.elements.sheaves import STICKS
+from ropewalk.system.elements.sheaves_at_rest import about_rest as sheaves_about_rest
 from ropewalk.system.elements.structure import REST, About, Structure
 from ropewalk.system.equilibrium import constrained
 from ropewalk.system.equilibrium.statics import SystemPotential
@@ -139,7 +140,13 @@ def about_rest(structure: Structure, rest: Array) -> Structure:
         found["slope"][first : first + links] = law.tangents(runs.law[s], buffers.strain[first : first + links])
     about = About(np.array([rest, buffers.bent]), found)
     surfaces = None if structure.surfaces is None else structure.surfaces.about_rest(rest)
-    return structure._replace(about=about, surfaces=surfaces)
+    sheaves = None if structure.sheaves is None else sheaves_about_rest(structure.sheaves, runs, rest)
+    saddles, restrained = structure.saddles, structure.restraints
+    if saddles is not None:
+        own = [int(np.flatnonzero(restrained.node == node)[0]) for node in saddles.node]
+        by = np.searchsorted(restrained.first, own, side="right") - 1
+        saddles = saddles.about_rest(rest, structure.nodes.mass, by, restrained.free)
+    return structure._replace(about=about, surfaces=surfaces, sheaves=sheaves, saddles=saddles)
 
 
 def refuse_limp(structure: Structure, line: Sequence[str], loads: Mapping[str, AnyLoad]) -> None:

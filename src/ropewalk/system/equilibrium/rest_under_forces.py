@@ -154,7 +154,7 @@ class RestUnderForces(SlowMotion[_Loaded]):
         energy[ENERGY_FORMS.index("load_potential")] -= np.nansum(self._weights() * seen.position)
         return replace(
             own, position=position, velocity=np.zeros_like(position), tension=tension, strain=strain, energy=energy,
-            **contacts,
+            sheave_station=np.array(list(rest.over.values())) if rest.over else None, **contacts,
         )  # fmt: skip
 
     def _contacts(self, loaded: _Loaded, t: float) -> Contacts:

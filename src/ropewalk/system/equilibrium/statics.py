@@ -27,7 +27,15 @@ from ropewalk.system.elements.compliance import ARC, PART, SHORT_ARC, SMOOTH, co
 from ropewalk.system.elements.link_forms import LinkForms
 from ropewalk.system.elements.products import scaled
 from ropewalk.system.elements.saddles import add_saddle_forces, stored_in_saddles
-from ropewalk.system.elements.sheaves import SLIPS, add_sheave_forces, pass_nodes_entry, slip, stored_at, stretch_over
+from ropewalk.system.elements.sheaves import (
+    LITTLE,
+    SLIPS,
+    add_sheave_forces,
+    pass_nodes_entry,
+    slip,
+    stored_at,
+    stretch_over,
+)
 from ropewalk.system.elements.sheaves_at_rest import (
     damping_of,
     gravitational,
@@ -142,6 +150,8 @@ class SystemPotential:
         if structure.surfaces is not None:
             laid = sparse.block_diag([structure.surfaces.shares(n)] * self.axes)
             self._nodes_free = (self._nodes_free + laid @ self._nodes_free).tocsc()
+        if structure.is_linearised and structure.saddles is not None:
+            self._nodes_free = structure.saddles.sticking(self._nodes_free, structure.about.shape[0])
         self._divide()
         self.arrange()
 
@@ -156,7 +166,8 @@ class SystemPotential:
         self._ways = self._beside_lines()
 
     def stick(self, shape: Array) -> None:
-        """Let friction on saddles hold what lies there in a shape, as it does in small motion."""
+        """Let friction hold what lies on saddles in a shape, and lines at sheaves, as it does in small motion."""
+        self.how = LITTLE
         if self.structure.saddles is not None:
             r = shape[: self.loaded.rest.size].reshape(self.loaded.rest.shape)
             self._nodes_free = self.structure.saddles.sticking(self._nodes_free, r)
@@ -442,14 +453,14 @@ class SystemPotential:
 
     def moved(self, shape: Array, step: Array) -> Array:
         way = np.asarray(self.free @ step)
-        if self.structure.sheaves is not None:
+        if self.structure.sheaves is not None and not self.structure.is_linearised:
             n = self.axes * self.structure.nodes.mass.size
             way *= part_until_passing(self.structure.sheaves, self.structure.runs, way[:n].reshape(self.axes, -1))
         return np.asarray(shape + way)
 
     def arrived(self, shape: Array) -> tuple[Array, bool]:
         structure, sheaves, runs = self.structure, self.structure.sheaves, self.structure.runs
-        if sheaves is None:
+        if sheaves is None or structure.is_linearised:  # no node passes in small motion
             return shape, False
         before, r = runs.links.copy(), self.put(shape)[0]
         push_over(sheaves, runs, r)

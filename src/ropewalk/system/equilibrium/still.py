@@ -16,6 +16,7 @@ from ropewalk.system.contact.contact_record import ON
 from ropewalk.system.elements.compliance import AT_REST
 from ropewalk.system.elements.structure import SystemState
 from ropewalk.system.equilibrium.rest import at_rest, settled_in_wind
+from ropewalk.system.equilibrium.rubbing import RubbingPotential, is_rubbing
 from ropewalk.system.equilibrium.slow_hysteresis import LaggingPotential, is_lagging, settle_after
 from ropewalk.system.equilibrium.slow_motion import SlowMotion
 from ropewalk.system.equilibrium.statics import SystemPotential
@@ -32,6 +33,7 @@ class _RestShape(NamedTuple):
     places: Array  # as `statics.Potential` has them
     contacts: Any
     lag: Array  # (2, node) what hysteresis keeps in mind, N, and strains
+    kept: Array | None  # of lines that rub on saddles, as of `RubbingPotential`
 
 
 class SystemStatics(SlowMotion[_RestShape]):
@@ -60,8 +62,9 @@ class SystemStatics(SlowMotion[_RestShape]):
         self._scenario, self._run_info, self._structure, self._loading = scenario, run_info, structure, loading
         self._loaded = LoadedStructure(structure, rest, self._carried)
         size = float(np.ptp(rest, axis=1).max())
-        potential = LaggingPotential if is_lagging(structure) else SystemPotential
-        self.potential = potential(structure, self._loaded, size, within=within, part=AT_REST)
+        kind = LaggingPotential if is_lagging(structure) else SystemPotential
+        kind = RubbingPotential if is_rubbing(structure) else kind
+        self.potential = kind(structure, self._loaded, size, within=within, part=AT_REST)
         loads = loading.loads
         ahead = np.copysign(1.0, loads.speed_value[loads.speed_first])
         self._restraint = HoldForces(loads.contact, ahead, structure, self.potential.buffers.tension, rest.shape[0])
@@ -95,6 +98,8 @@ class SystemStatics(SlowMotion[_RestShape]):
         if near is not None:
             loaded.contacts[:] = near.contacts
             r = potential.put(near.places)[0]
+        if isinstance(potential, RubbingPotential):
+            potential.kept = potential.laid if near is None or near.kept is None else near.kept
         loaded.stand(t, structure.restraints.put(r, t))  # what moves as prescribed is where it is then
         potential.arrange()
 
@@ -113,7 +118,8 @@ class SystemStatics(SlowMotion[_RestShape]):
         shape = self._restraint.hold(contacts, s, loaded.on, settle, potential.taken())
         if lagging:
             potential.buffers.lag[1] = potential.buffers.strain
-        return _RestShape(shape, contacts.copy(), potential.buffers.lag.copy())
+        kept = potential.keep(shape) if isinstance(potential, RubbingPotential) else None
+        return _RestShape(shape, contacts.copy(), potential.buffers.lag.copy(), kept)
 
     def _places(self, shape: _RestShape) -> Array:
         """Where contacts are, (contact, axis) m; NaN of those off their lines."""
@@ -124,6 +130,8 @@ class SystemStatics(SlowMotion[_RestShape]):
         loaded, potential = self._loaded, self.potential
         loaded.contacts[:], potential.buffers.lag[:] = shape.contacts, shape.lag
         loaded.state.t[0] = t
+        if isinstance(potential, RubbingPotential) and shape.kept is not None:
+            potential.kept = shape.kept
         elastic = potential.stored(shape.places)
         potential.forces(shape.places)
         buffers, own, seen = potential.buffers, loaded.own, loaded.state

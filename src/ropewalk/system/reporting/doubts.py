@@ -18,7 +18,8 @@ from ropewalk.results.frame import RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.hauling import Hauling
 from ropewalk.system.assembling.assembled import Assembled
-from ropewalk.system.elements.structure import Buffers
+from ropewalk.system.elements.structure import Buffers, Structure
+from ropewalk.system.reporting.sticking_friction import StickingFriction
 
 # Part of the largest tension with which an inextensible line may be pushed together.
 _PUSHED = 0.1
@@ -59,7 +60,20 @@ def doubt_sticking(run_info: RunInfo, t: float, where: str) -> None:
     what = f"a line sticks at {where} in small motion, and from t = {t:.4g} s on that asks for more than its friction"
     if not any(doubt.what.startswith(what.partition(",")[0]) for doubt in run_info.doubts):
         wrong = "there it would slip, and tensions on both sides differ less"
-        run_info.doubt(what, wrong, "", "ask for kind: dynamic")
+        run_info.doubt(what, wrong, "", "ask for kind: dynamic with geometry: nonlinear")
+
+
+def ask_sticking(
+    friction: StickingFriction, structure: Structure, x: Array, buffers: Buffers, run_info: RunInfo, t: float
+) -> None:  # fmt: skip
+    """Doubt once motion that is linearised where friction holds what it does not bear, by the forces of now at t in s.
+
+    Nodes that friction holds are taken to have no inertia across what presses them, as on saddles that stand fast.
+    """
+    if structure.saddles is not None and friction.rubbed(buffers.force.ravel(), x.ravel())[1]:
+        doubt_sticking(run_info, t, "a saddle")
+    if friction.slips_over(structure.sheaves):
+        doubt_sticking(run_info, t, "a sheave")
 
 
 def joined_beside(scenario: Scenario, assembled: Assembled) -> Iterator[str]:

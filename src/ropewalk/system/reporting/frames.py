@@ -17,7 +17,6 @@ from ropewalk.results.frames import Frames, summed
 from ropewalk.system.assembling.assembled import Assembled
 from ropewalk.system.contact.beyond_kinks import beyond_kinks
 from ropewalk.system.contact.contact_record import FORCE, ON, PRESCRIBED
-from ropewalk.system.elements.cells_about_rest import tensions_about_rest
 from ropewalk.system.elements.membrane_elements import tensions_of
 from ropewalk.system.elements.sheaves_at_rest import gravitational
 from ropewalk.system.elements.structure import (
@@ -34,6 +33,7 @@ from ropewalk.system.elements.structure import (
     Buffers,
     SystemState,
 )
+from ropewalk.system.elements.surfaces import tensions_about_rest
 from ropewalk.system.loads.bodies import BodyArrays
 from ropewalk.system.reporting.hold_forces import FrictionDemand, beside
 
@@ -146,6 +146,7 @@ class FrameBuilder:
                 for i, j, k in sheet.surface.triangle + at
             ),
             hauled=self._hauled(),
+            sheave=assembled.sheave,
             cell_net=tuple(sheet.name for sheet in membranes for _ in sheet.surface.triangle),
             body=tuple(body.name for body in displayed),
             path=path,
@@ -180,7 +181,7 @@ class FrameBuilder:
             **seen.fields(),
             "body_position": places, "body_velocity": velocities, "reaction": self._reactions(at),
             **self._of_ties(at, seen, still=still is not None), **self._cell_tensions(at),
-            **self._of_hauling_ropes(at),
+            **self._of_hauling_ropes(at), **self._at_sheaves(at),
             "energy": self._energy(at, still=still is not None),
         }  # fmt: skip
         return Frames(at.t if still is None else np.full(at.t.shape, still), of)
@@ -255,6 +256,14 @@ class FrameBuilder:
             "haul_tension": np.concatenate([own, other[:, over]], axis=1),
             "haul_slip": np.concatenate([slipped, slipped[:, over]], axis=1),
         }
+
+    def _at_sheaves(self, at: SystemNote) -> dict[str, Array]:
+        """Where lines are over their sheaves now, m: frames of such lines are made at once."""
+        structure = self.assembled.structure
+        if (sheaves := structure.sheaves) is None or not self.assembled.sheave:
+            return {}
+        ends = structure.lines.begin + structure.runs.links * structure.runs.h
+        return {"sheave_station": np.tile(ends[sheaves.run] + sheaves.ahead, (at.t.size, 1))}
 
     def _axial_force(self, at: SystemNote) -> Array:
         """Force along the tangent in links, by their first node, N: what stretches them, and EI kappa^2."""

@@ -16,18 +16,12 @@ import numpy as np
 import scipy.sparse as sparse
 
 from ropewalk.mechanics.chain import Array
-from ropewalk.system.elements.sheaves import SLIPS, STICKS
-from ropewalk.system.elements.sheaves_at_rest import turned_at
-from ropewalk.system.elements.structure import Sheaves, Structure
+from ropewalk.system.elements.sheaves import LITTLE
+from ropewalk.system.elements.structure import Structure
 from ropewalk.system.equilibrium.constrained import gradients, links_of, ways
 from ropewalk.system.equilibrium.statics import SystemPotential
 from ropewalk.system.loads.loaded_structure import LoadedStructure
-
-
-def how_at_sheaves(structure: Structure) -> int:
-    """Whether lines stick at the sheaves of a structure in small motion, or slip; they are all of one kind."""
-    sheaves = structure.sheaves
-    return STICKS if sheaves is not None and bool((sheaves.friction > 0.0).any()) else SLIPS
+from ropewalk.system.reporting.sticking_friction import StickingFriction
 
 
 class RestState:
@@ -39,12 +33,12 @@ class RestState:
     """
 
     def __init__(self, structure: Structure, rest: Array) -> None:
-        how, size = how_at_sheaves(structure), float(np.ptp(rest, axis=1).max())
-        potential = SystemPotential(structure, LoadedStructure(structure, rest), size, how=how)
+        size = float(np.ptp(rest, axis=1).max())
+        potential = SystemPotential(structure, LoadedStructure(structure, rest), size)
         if structure.taut is not None:
             potential.buffers.tension[:] = structure.taut
         shape, n = rest.ravel(), rest.shape[1]
-        self._saddles, self._stuck = structure.saddles, structure.saddles.stuck(rest) if structure.saddles else []
+        self.friction = StickingFriction(structure, rest)
         potential.stick(shape)
         K, M, C = potential.stiffness(shape), potential.masses(), potential.damping(shape)
         self.free = potential.free.tocsr()
@@ -68,15 +62,12 @@ class RestState:
                 stiffness=np.zeros_like(restraints.stiffness), damping=np.zeros_like(restraints.damping)
             )
         )
-        whole = SystemPotential(bare, LoadedStructure(bare, rest), potential.size, how=how)
+        whole = SystemPotential(bare, LoadedStructure(bare, rest), potential.size, how=LITTLE)
         if structure.taut is not None:
             whole.buffers.tension[:] = structure.taut
         whole.free = sparse.identity(shape.size, format="csc")
         self._K, self._C = whole.stiffness(shape), whole.damping(shape)
-        self._axes, self._how = rest.shape[0], how
-        if structure.sheaves is not None:  # larger over smaller tension, from which on lines slip
-            self._ratio = np.exp(structure.sheaves.friction * turned_at(structure.sheaves, structure.runs, rest))
-        self._pressed = {} if self._saddles is None else self._saddles.pressing(rest)  # N, of nodes on saddles
+        self._axes = rest.shape[0]
         self._laid: Any = None
         if structure.surfaces is not None:
             self._laid = sparse.block_diag([structure.surfaces.shares(n)] * rest.shape[0]).tocsr()
@@ -101,31 +92,6 @@ class RestState:
         x = np.linalg.lstsq(self._own.T, self._to.T @ force, rcond=None)[0]
         pulled[self._links] = self._h * x
         return pulled, np.asarray(force - self._all.T @ x)
-
-    def rubbed(self, force: Array, x: Array) -> tuple[Array, bool]:
-        """Forces on all places with those of the friction on saddles, N, and whether it bears less than that asks for.
-
-        Args:
-            force: of all else, with inertia.
-            x: (place,) m, from rest.
-        """
-        left, slips, n = force.reshape(self._axes, -1).copy(), False, force.size // self._axes
-        for e, i, way in self._stuck:
-            assert self._saddles is not None
-            along = left[:, i] - way * float(way @ left[:, i])
-            deep = x.reshape(self._axes, n)[:, [i, int(self._saddles.node[e])]]
-            pressed = self._pressed[i] + float(self._saddles.k[e]) * float(way @ (deep[:, 0] - deep[:, 1]))
-            slips = slips or float(np.linalg.norm(along)) > float(self._saddles.friction[e]) * max(pressed, 0.0)
-            left[:, i] -= along
-            left[:, int(self._saddles.node[e])] += along
-        return left.ravel(), slips
-
-    def slips_over(self, sheaves: Sheaves | None) -> bool:
-        """Whether tensions beside sheaves, which are known, differ by more than their friction bears."""
-        if sheaves is None or self._how != STICKS:
-            return False
-        behind, ahead = sheaves.tension.T
-        return bool((np.maximum(behind, ahead) > np.minimum(behind, ahead) * self._ratio).any())
 
     def handed(self, force: Array) -> Array:
         """The same forces where ways on nets hand them over to the cells below, N."""

@@ -32,8 +32,8 @@ from ropewalk.solve.superposition import (
 )
 from ropewalk.system.assembling.assembled import Assembled
 from ropewalk.system.assembling.assembly import contacts_of, refuse_beyond
-from ropewalk.system.elements.cells_about_rest import tensions_about_rest
 from ropewalk.system.elements.structure import WORKS, SystemState
+from ropewalk.system.elements.surfaces import tensions_about_rest
 from ropewalk.system.equilibrium.rest import about_rest, at_rest
 from ropewalk.system.equilibrium.statics import SystemPotential
 from ropewalk.system.equilibrium.structures import structure_of
@@ -41,7 +41,7 @@ from ropewalk.system.loads.loaded_structure import Carried, LoadedStructure, loa
 from ropewalk.system.reporting.doubts import doubt_slack, doubt_sticking, joined_beside
 from ropewalk.system.reporting.frames import FrameBuilder, SystemNote
 from ropewalk.system.small_motion.passing import Passing
-from ropewalk.system.small_motion.rest_state import RestState, how_at_sheaves
+from ropewalk.system.small_motion.rest_state import RestState
 
 _STORED = ("kinetic", "elastic", "gravitational", "load_kinetic", "load_potential")
 _KNOWN = [ENERGY_FORMS.index(form) for form in _STORED]
@@ -80,7 +80,7 @@ class Superposed:
         carried = Carried(contacts, self._tables, self._of)
         self._loaded = LoadedStructure(self._linear, rest, carried)
         size = float(np.ptp(rest, axis=1).max())
-        self._potential = SystemPotential(self._linear, self._loaded, size, how=how_at_sheaves(structure))
+        self._potential = SystemPotential(self._linear, self._loaded, size)
         self._potential.forces(self._potential.taken())
         self._loaded.stand(0.0, rest)
         names = [wheel.load for wheel in loading.wheels]
@@ -224,11 +224,11 @@ class Superposed:
         forces = forces + self._still.handed(self._pressed(touch, moment.force)) - inertia
         pulled, forces = self._still.kept(forces)
         buffers.tension[:] += pulled
-        left, slips = self._still.rubbed(forces, x)
+        left, slips = self._still.friction.rubbed(forces, x)
         buffers.force[:] = left.reshape(r.shape)
         if slips:
             doubt_sticking(self._run_info, t, "a saddle")
-        if self._still.slips_over(self._linear.sheaves):
+        if self._still.friction.slips_over(self._linear.sheaves):
             doubt_sticking(self._run_info, t, "a sheave")
         buffers.react(self._linear.restraints)
         located = loaded.contacts[touch.contact]
