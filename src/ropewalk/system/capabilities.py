@@ -58,31 +58,17 @@ def _overhead(parts: Parts) -> Iterator[Finding]:
     if not isinstance(run, Dynamic):
         yield missing(("overhead_lines",), _SYSTEM, remedy="ask for kind: dynamic", feature="rest")
         return
-    if run.geometry == "linearised":
-        yield missing(("run", "geometry"), what, "linearised", "write geometry: nonlinear")
     if run.start.kind != "rest":
         yield missing(("run", "start", "kind"), what, run.start.kind, "start at rest")
     for name, line in parts.overhead.items():
         if line is None:
             continue
-        if line.stitch_wire is not None:
-            remedy = "write run.geometry: linearised, or leave stitch_wire out"
-            yield missing(("overhead_lines", name, "stitch_wire"), what, remedy=remedy)
-        if line.radius is not None:
-            remedy = "write run.geometry: linearised, or leave radius out"
-            yield missing(("overhead_lines", name, "radius"), what, remedy=remedy)
-        for key in ("strength", "cut"):
-            if getattr(line.droppers, key) is not None:
-                yield missing(("overhead_lines", name, "droppers", key), what, remedy=f"leave {key} out")
+        if line.droppers.strength is not None or line.droppers.cut is not None:
+            yield from _by_steps(run, "overhead lines with droppers that fail")
         for key in ("contact_wire", "messenger_wire"):
             if late := getattr(line, key).retardation:
                 remedy = "leave retardation out, or use drag"
                 yield missing(("overhead_lines", name, key, "retardation"), what, f"{late:g} s", remedy)
-    for name, load in parts.loads.items():
-        if isinstance(load, Footsteps) and load.on in parts.overhead and load.lateral:
-            yield missing(("loads", name, "lateral"), what, str(load.lateral), "leave lateral out")
-        if isinstance(load, Walker | Footsteps) and load.on in parts.overhead and load.balance is not None:
-            yield missing(("loads", name, "balance"), what, "a block", "leave balance out")
 
 
 def _over_profiles(parts: Parts) -> Iterator[Finding]:

@@ -2,7 +2,7 @@
 
 A point of a line is one of its spline, which nodes share; so the way from one end of a tie to the other is
 
-    a = sum p r + g,   p: parts of nodes, those of the one end negative;   g: m, of the ground,
+    a = sum p r + g,   p: parts of nodes, those of the one end negative;   g: m, of the ground, or between coordinates,
 
 and with the length l = |a|, or l = n a along a unit vector n that stays, its potential energy is
 
@@ -185,6 +185,7 @@ class Tie:
     preload: float = 0.0  # N
     way: Array | None = None  # (axis,)
     along: float = 0.0  # N, axial stiffness of the line, if the tie acts along it
+    apart: Array | None = None  # (axis,) m, how much farther away the other point is than its coordinates say
 
     def in_series(self, stiffness: float) -> float:
         """What is left of a stiffness beside what the ends give way, N/m."""
@@ -206,6 +207,7 @@ def ties_of(ties: Sequence[Tie], axes: int) -> Ties | None:
         if isinstance(tie.other, Point | MassNode):
             more, other = tie.other.parts
             node, part = np.concatenate([node, more]), np.concatenate([part, other])
+            ground[e] = 0.0 if tie.apart is None else tie.apart
         else:
             ground[e] = tie.other
         if tie.way is not None:
