@@ -46,4 +46,4 @@ class Assembled:
     nets: Nets | None = None
     attached: Attached | None = None
     stretch: Array | None = None  # (run,) stretch of links whose strain counts from the state that they rest in
-    bow: Array | None = None  # (node,) m to the left, from where lines are computed to where results show them, on curves
+    bow: Array | None = None  # (node,) m to the left, from where lines are computed to where results show them: curves

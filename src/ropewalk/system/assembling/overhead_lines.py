@@ -51,7 +51,8 @@ class _WireRun:
 
     def point(self, station: float) -> Point:
         at = float(np.interp(station, self.place, self.along)) / self.h
-        return Point(self.first, self.links, self.h, at, self.wire.tension, self.wire.bending_stiffness)
+        return Point(self.first, self.links, self.h, at, self.wire.tension, self.wire.bending_stiffness,
+                     self.wire.axial_stiffness)  # fmt: skip
 
 
 def overhead_lines_of(scenario: Scenario, axes: tuple[str, ...] | None) -> Assembled:
@@ -74,7 +75,8 @@ def overhead_lines_of(scenario: Scenario, axes: tuple[str, ...] | None) -> Assem
         laid = at_full_stiffness(section, line)
         laid = in_space(laid, line) if len(axes) == 3 else laid
         on |= {load: len(runs) + CONTACT for load, it in scenario.loads.items() if it.on == name}
-        own = list(_runs(laid, displayed, sum(run.links + 1 for run in runs)))
+        near = near_rest(section) if len(axes) == 3 else section.rest.position
+        own = list(_runs(laid, near, displayed, sum(run.links + 1 for run in runs)))
         parts.append(_Part(laid, own, displayed))
         runs += own
         bows.append(bow_of(section, line))
@@ -102,15 +104,16 @@ def overhead_lines_of(scenario: Scenario, axes: tuple[str, ...] | None) -> Assem
     )  # fmt: skip
 
 
-def _runs(section: Section, displayed: list[int], first: int) -> Iterator[_WireRun]:
-    mesh, near = section.mesh(), near_rest(section)[displayed]
-    unstrained = hung(mesh, section.rest.position)
+def _runs(section: Section, near: Array, displayed: list[int], first: int) -> Iterator[_WireRun]:
+    """The wires of a line that rests about at (3, node) m."""
+    mesh = section.mesh()
+    unstrained = hung(mesh, near)
     for i, wire in enumerate(section.plan.wires):
         part, links = mesh.of(i), int(mesh.strands.links[i])
         length = np.concatenate([[0.0], np.cumsum(unstrained[part][:-1])])
         along = length * (wire.length / length[-1])
         even = np.linspace(0.0, wire.length, links + 1)
-        rest = np.array([np.interp(even, along, row) for row in near[:, part]])
+        rest = np.array([np.interp(even, along, row) for row in near[displayed, part]])
         place = mesh.strands.h[i] * np.arange(links + 1.0)
         yield _WireRun(wire, first, links, rest, wire.length / float(length[-1]) - 1.0, place, along)
         first += links + 1
@@ -143,6 +146,11 @@ class _Part:
 
     def point(self, spot: Spot) -> Point:
         return self.runs[spot.wire].point(spot.station)
+
+    def place(self, spot: Spot) -> Array:
+        """About where a point of a wire rests, (axis,) m."""
+        run, (own, weight) = self.runs[spot.wire], self.point(spot).parts
+        return np.asarray(run.rest[:, own - run.first] @ weight)
 
     def end_of(self, hold: Hold) -> tuple[int, int] | None:
         """Wire and side of a hold at an end; None: it is on the way."""
@@ -207,9 +215,11 @@ def _ties(parts: Sequence[_Part], nodes: int) -> tuple[list[Tie], Attached]:
         plan = part.section.plan
         for tie in plan.ties:
             other = part.point(tie.other) if isinstance(tie.other, Spot) else np.array(tie.other)[part.displayed]
-            more: dict[str, Any] = {"along": np.inf} if tie.lengthwise else {}  # it pulls at a wire, not across it
-            if tie.aside:
-                more["apart"] = np.array([0.0, tie.aside, 0.0])
+            apart = np.array([0.0, tie.aside, 0.0])[part.displayed]
+            more: dict[str, Any] = {"apart": apart} if isinstance(tie.other, Spot) else {}
+            if tie.lengthwise and isinstance(tie.other, Spot):
+                way = part.place(tie.other) + apart - part.place(tie.spot)
+                more["along"] = float(way[0] ** 2 / (way**2).sum())
             own = Tie(part.point(tie.spot), other, tie.length, (tie.stiffness, tie.pushes), (tie.damping, 0.0), **more)
             displayed.append((own, tie))
         for hold in plan.holds:
@@ -240,6 +250,5 @@ def _axes_of(part: _Part, hold: Hold) -> Iterator[Tie]:
         k, c, F = (float(values[axis]) for values in (hold.stiffness, hold.damping, hold.force))
         if not (k or c or F):
             continue
-        more: dict[str, Any] = {"along": part.runs[hold.spot.wire].wire.axial_stiffness} if axis == 0 else {}
         way = np.eye(len(part.displayed))[a]
-        yield Tie(point, place, 0.0, (k, k), (c, c), F, way, **more)
+        yield Tie(point, place, 0.0, (k, k), (c, c), F, way, along=float(axis == 0))

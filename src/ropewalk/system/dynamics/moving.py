@@ -168,6 +168,7 @@ class SystemMotion:
         doubts.doubt_slack(scenario, run_info, self.layout.link_line, tension[self._builder.link])
         cut = stability.cut_by_damping(self.assembled, self.rest, self.times[-1] / self._step)
         run_info.warnings += [*shaken(scenario), *doubts.coarse_for_wheels(scenario), *self._carriages.slack(), *cut]
+        run_info.warnings += doubts.not_pushed_outwards(scenario)
         run_info.warnings += doubts.joined_beside(scenario, self.assembled)
 
     @property
@@ -413,7 +414,7 @@ class SystemMotion:
 
     @property
     def together(self) -> bool:
-        """Whether frames may be made later: nodes over sheaves go to other runs, and ties that fail are none any more."""
+        """Whether frames may be made later: nodes over sheaves go to other runs, and ties that fail are gone."""
         return self.structure.sheaves is None and not (self.assembled.attached and self.assembled.attached.fails)
 
     def _doubt_speeds(self, path: Array, contacts: Any) -> None:
