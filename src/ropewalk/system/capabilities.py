@@ -49,7 +49,7 @@ def _only_lines(parts: Parts) -> Iterator[Finding]:
 
 
 def _overhead(parts: Parts) -> Iterator[Finding]:
-    """Overhead lines move with all geometry, by themselves; other ways of theirs are known to another engine."""
+    """Overhead lines move by themselves, from rest; other ways of theirs are known to another engine."""
     run, what = parts.run, "overhead lines together with such loads, travel or methods"
     if not parts.overhead:
         return
@@ -63,8 +63,13 @@ def _overhead(parts: Parts) -> Iterator[Finding]:
     for name, line in parts.overhead.items():
         if line is None:
             continue
-        if line.droppers.strength is not None or line.droppers.cut is not None:
-            yield from _by_steps(run, "overhead lines with droppers that fail")
+        for key in ("strength", "cut"):
+            if getattr(line.droppers, key) is not None and run.window is not None:
+                path, feature = ("overhead_lines", name, "droppers", key), "a dropper that fails"
+                yield missing(path, "motions in a window", remedy="leave run.window out", feature=feature)
+            elif getattr(line.droppers, key) is not None and run.method in HIGH_ORDER:
+                failing = "overhead lines with droppers that fail"
+                yield missing(("run", "method"), failing, run.method, "use auto or verlet")
         for key in ("contact_wire", "messenger_wire"):
             if late := getattr(line, key).retardation:
                 remedy = "leave retardation out, or use drag"
