@@ -220,8 +220,8 @@ def _ties(parts: Sequence[_Part], nodes: int) -> tuple[list[Tie], Attached]:
             if tie.lengthwise and isinstance(tie.other, Spot):
                 way = part.place(tie.other) + apart - part.place(tie.spot)
                 more["along"] = float(way[0] ** 2 / (way**2).sum())
-            own = Tie(part.point(tie.spot), other, tie.length, (tie.stiffness, tie.pushes), (tie.damping, 0.0), **more)
-            displayed.append((own, tie))
+            tied = Tie(part.point(tie.spot), other, tie.length, (tie.stiffness, tie.pushes), (tie.damping, 0.0), **more)
+            displayed.append((tied, tie))
         for hold in plan.holds:
             if part.end_of(hold) is None:
                 restrained += [(tie, hold.name) for tie in _axes_of(part, hold)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ropewalk.checkpoint import Tree
 from ropewalk.mechanics.chain import Array, Integers
@@ -60,7 +61,7 @@ class FailingTies(Parting):
         assert self._ties is not None
         return self._ties.forces(system.state.r, system.state.v)[self._tie]
 
-    def _fail(self, which: Array, force: Array, system: System) -> list[str]:
+    def _fail(self, which: NDArray[np.bool_], force: Array, system: System) -> list[str]:
         """Let some of them fail under forces (tie,) in N."""
         if not which.any():
             return []
