@@ -103,13 +103,13 @@ def _rubs(load: AnyLoad | None) -> bool:
 def _of_beams(parts: Parts) -> Engine:
     """The engine of the system for motions of lines that are slack or have inner supports, or if it supports more.
 
-    Overhead lines go to the system with what only that one supports of their motion with all geometry.
+    Overhead lines go to the system with what only that one supports of their motion; pantographs know wires alone.
 
     Linearised motions of straight lines are vertical only with the other one, which is faster for it; with an axial
     inertia it takes longer steps on straight lines, with a window fewer nodes.
     """
     if parts.overhead:
-        if not isinstance(parts.run, Dynamic):
+        if not isinstance(parts.run, Dynamic) or any(isinstance(load, Pantograph) for load in parts.loads.values()):
             return WIRES
         refused, moves = _refused(WIRES, parts), not _is_linearised(parts)
         return SYSTEM if refused and _refused(SYSTEM, parts) < refused + moves else WIRES

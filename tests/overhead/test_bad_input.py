@@ -98,13 +98,14 @@ def test_a_pantograph_runs_under_overhead_lines_only() -> None:
     assert "name one of overhead_lines: line" in message
 
 
-def test_trolleys_do_not_run_along_overhead_lines() -> None:
+def test_trolleys_do_not_rest_on_overhead_lines() -> None:
     trolley = "    mass: 100 kg\n    payload: {mass: 50 kg, length: 2 m}\n"
     text = EXAMPLE.read_text(encoding="utf-8").replace("    model: en50318-2002\n", trolley)
-    message = problems(text.replace("kind: pantograph", "kind: trolley"))
+    text = text.replace("kind: pantograph", "kind: trolley")
+    loads(text, "line.yaml")  # in motion they do
+    message = problems(text.replace(DYNAMIC, "  kind: equilibrium"))
     assert "loads.pantograph.kind: is not implemented for" in message
-    others = "force, axles, mass, oscillator, vehicle, train, matrices, pantograph"
-    assert f"overhead lines, given trolley; write {others}" in message
+    assert "overhead lines at rest or quasi-static, given trolley; ask for kind: dynamic" in message
 
 
 def test_masses_that_start_beyond_the_end_or_meet_are_refused() -> None:

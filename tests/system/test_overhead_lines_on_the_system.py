@@ -188,15 +188,13 @@ def test_what_the_system_does_not_know_of_overhead_lines_is_refused() -> None:
     mode = {"kind": "mode", "number": 1, "amplitude": 0.01}
     for line, run, path in (
         ({**SHORT, "contact_wire": wire}, {}, ("overhead_lines", "section", "contact_wire", "retardation")),
-        (
-            {**SHORT, "stitch_wire": {"length": 20.0}, "droppers": {"at": [5, 15, 25]}},
-            {"geometry": "linearised"},
-            ("run", "geometry"),
-        ),
         (SHORT, {"start": mode}, ("run", "start", "kind")),
     ):
         asked = scenario(line, UP, **run)
         assert engine_of(asked) is WIRES
         assert path in [found.path for found in SYSTEM.motion.unsupported(asked.parts)]
-    with pytest.raises(ValueError, match="balance"):
-        scenario(SHORT, {"kind": "walker", "mass": 70.0, "from": 20.0, "balance": {}})
+    failing = {**SHORT, "droppers": {**SHORT["droppers"], "strength": 1e3}}
+    with pytest.raises(ValueError, match="droppers that fail"):
+        scenario(failing, TROLLEY | {"travel": TRAVEL}, method="implicit")
+    with pytest.raises(ValueError, match="motions in a window"):
+        scenario(failing, TROLLEY | {"travel": TRAVEL}, window=20.0)

@@ -134,7 +134,7 @@ def _wheels(name: str, load: AnyLoad, gravity: float, line: Line | None) -> Iter
                 **_prescribed(load.travel), mass=load.mass[own][own], lift=_lift(load),
             )  # fmt: skip
     elif isinstance(load, Footsteps):
-        side = outwards(line, load.towards, load.first_foot) if load.lateral and line is not None else None
+        side = outwards(line, load.towards, load.first_foot) if load.lateral else None
         start = places[0].start if load.at_end != "leave" or load.towards == "end" else 0.0  # may be beyond the end
         for number, foot in enumerate(FEET[load.first_foot]):
             force = Footfall(load, number, gravity, side)

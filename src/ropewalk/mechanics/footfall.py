@@ -14,12 +14,13 @@ from ropewalk.model.line import Line, spatial
 SAMPLES = 200
 
 
-def outwards(line: Line, towards: str, foot: FirstFoot) -> Array:
+def outwards(line: Line | None, towards: str, foot: FirstFoot) -> Array:
     """Level unit vector (x, y) across the chord of a line, to the side of a foot of who walks towards one of its ends.
 
-    On a line without a chord that is level, such as a vertical one, she looks along x.
+    On a line without a chord that is level, such as a vertical one, she looks along x; so she does on an overhead line,
+    which runs that way (None).
     """
-    run = np.array(spatial(line.end)[:2]) - np.array(spatial(line.start)[:2])
+    run = np.zeros(2) if line is None else np.array(spatial(line.end)[:2]) - np.array(spatial(line.start)[:2])
     if not np.any(run):
         run = np.array([1.0, 0.0])
     run = run / np.linalg.norm(run) * (1.0 if towards == "end" else -1.0)

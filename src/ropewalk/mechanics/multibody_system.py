@@ -94,7 +94,7 @@ def multibody_system_of(
         first = sum(v.coordinates for v in vehicles)
         vehicle, own = _vehicle(name, load, on, dim, first, scenario.gravity, axes)
         if isinstance(load, Walker | Footsteps) and load.balance is not None and vehicle is not None:
-            vehicle = _balancing(vehicle, on, outwards(scenario.lines[load.on], load.towards, "left"))
+            vehicle = _balancing(vehicle, on, outwards(scenario.lines.get(load.on), load.towards, "left"))
         displayed += own
         if vehicle is not None:
             vehicles.append(vehicle)

@@ -49,7 +49,7 @@ def _only_lines(parts: Parts) -> Iterator[Finding]:
 
 
 def _overhead(parts: Parts) -> Iterator[Finding]:
-    """Overhead lines move with all geometry, by themselves; other ways of theirs are known to another engine."""
+    """Overhead lines move by themselves, from rest; other ways of theirs are known to another engine."""
     run, what = parts.run, "overhead lines together with such loads, travel or methods"
     if not parts.overhead:
         return
@@ -58,31 +58,22 @@ def _overhead(parts: Parts) -> Iterator[Finding]:
     if not isinstance(run, Dynamic):
         yield missing(("overhead_lines",), _SYSTEM, remedy="ask for kind: dynamic", feature="rest")
         return
-    if run.geometry == "linearised":
-        yield missing(("run", "geometry"), what, "linearised", "write geometry: nonlinear")
     if run.start.kind != "rest":
         yield missing(("run", "start", "kind"), what, run.start.kind, "start at rest")
     for name, line in parts.overhead.items():
         if line is None:
             continue
-        if line.stitch_wire is not None:
-            remedy = "write run.geometry: linearised, or leave stitch_wire out"
-            yield missing(("overhead_lines", name, "stitch_wire"), what, remedy=remedy)
-        if line.radius is not None:
-            remedy = "write run.geometry: linearised, or leave radius out"
-            yield missing(("overhead_lines", name, "radius"), what, remedy=remedy)
         for key in ("strength", "cut"):
-            if getattr(line.droppers, key) is not None:
-                yield missing(("overhead_lines", name, "droppers", key), what, remedy=f"leave {key} out")
+            if getattr(line.droppers, key) is not None and run.window is not None:
+                path, feature = ("overhead_lines", name, "droppers", key), "a dropper that fails"
+                yield missing(path, "motions in a window", remedy="leave run.window out", feature=feature)
+            elif getattr(line.droppers, key) is not None and run.method in HIGH_ORDER:
+                failing = "overhead lines with droppers that fail"
+                yield missing(("run", "method"), failing, run.method, "use auto or verlet")
         for key in ("contact_wire", "messenger_wire"):
             if late := getattr(line, key).retardation:
                 remedy = "leave retardation out, or use drag"
                 yield missing(("overhead_lines", name, key, "retardation"), what, f"{late:g} s", remedy)
-    for name, load in parts.loads.items():
-        if isinstance(load, Footsteps) and load.on in parts.overhead and load.lateral:
-            yield missing(("loads", name, "lateral"), what, str(load.lateral), "leave lateral out")
-        if isinstance(load, Walker | Footsteps) and load.on in parts.overhead and load.balance is not None:
-            yield missing(("loads", name, "balance"), what, "a block", "leave balance out")
 
 
 def _over_profiles(parts: Parts) -> Iterator[Finding]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import NamedTuple
 
 import scipy.sparse as sparse
@@ -22,6 +24,7 @@ class Attached(NamedTuple):
     watched: tuple[str, ...]
     watched_station: tuple[float, ...]  # m
     watch: sparse.csr_matrix  # (watched, node) parts of nodes
+    fails: Mapping[int, tuple[float, float]] = MappingProxyType({})  # ties that may fail: when, s, and at which pull, N
 
     @property
     def sampled(self) -> bool:
@@ -44,3 +47,4 @@ class Assembled:
     attached: Attached | None = None
     sheave: tuple[str, ...] = ()  # names of sheaves, in their order
     stretch: Array | None = None  # (run,) stretch of links whose strain counts from the state that they rest in
+    bow: Array | None = None  # (node,) m to the left, from where lines are computed to where results show them: curves

@@ -19,7 +19,7 @@ from ropewalk.mechanics import law
 from ropewalk.mechanics.assembly import axes_of
 from ropewalk.mechanics.chain import Array
 from ropewalk.model.scenario import Scenario
-from ropewalk.overhead.in_space import in_space, near_rest
+from ropewalk.overhead.in_space import at_full_stiffness, bow_of, in_space, near_rest
 from ropewalk.overhead.plan_view import CONTACT
 from ropewalk.overhead.section import Section, section_of
 from ropewalk.system.assembling.assembled import Assembled, Attached
@@ -51,7 +51,8 @@ class _WireRun:
 
     def point(self, station: float) -> Point:
         at = float(np.interp(station, self.place, self.along)) / self.h
-        return Point(self.first, self.links, self.h, at, self.wire.tension, self.wire.bending_stiffness)
+        return Point(self.first, self.links, self.h, at, self.wire.tension, self.wire.bending_stiffness,
+                     self.wire.axial_stiffness)  # fmt: skip
 
 
 def overhead_lines_of(scenario: Scenario, axes: tuple[str, ...] | None) -> Assembled:
@@ -68,13 +69,17 @@ def overhead_lines_of(scenario: Scenario, axes: tuple[str, ...] | None) -> Assem
     aside = not all(section.view.is_straight for section in sections.values())
     axes = axes or (("x", "y", "z") if aside else axes_of(scenario))
     displayed = [0, 1, 2] if len(axes) == 3 else [0, 2]
-    parts, runs, on = list[_Part](), list[_WireRun](), dict[str, int]()
+    parts, runs, on, bows = list[_Part](), list[_WireRun](), dict[str, int](), list[Array]()
     for name, section in sections.items():
-        laid = in_space(section, scenario.overhead_lines[name]) if len(axes) == 3 else section
+        line = scenario.overhead_lines[name]
+        laid = at_full_stiffness(section, line)
+        laid = in_space(laid, line) if len(axes) == 3 else laid
         on |= {load: len(runs) + CONTACT for load, it in scenario.loads.items() if it.on == name}
-        own = list(_runs(laid, displayed, sum(run.links + 1 for run in runs)))
+        near = near_rest(section) if len(axes) == 3 else section.rest.position
+        own = list(_runs(laid, near, displayed, sum(run.links + 1 for run in runs)))
         parts.append(_Part(laid, own, displayed))
         runs += own
+        bows.append(bow_of(section, line))
     gravity = np.zeros(len(axes))
     gravity[-1] = -scenario.gravity
     nodes = _nodes(parts, runs, gravity)
@@ -95,18 +100,20 @@ def overhead_lines_of(scenario: Scenario, axes: tuple[str, ...] | None) -> Assem
         structure, axes, np.concatenate([run.rest for run in runs], axis=1), station,
         tuple(run.wire.name for run in runs), on, tuple((name, e) for e, name in enumerate(names)),
         attached=attached, stretch=np.array([run.strain for run in runs]),
+        bow=np.concatenate(bows) if any(section.view.turns.any() for section in sections.values()) else None,
     )  # fmt: skip
 
 
-def _runs(section: Section, displayed: list[int], first: int) -> Iterator[_WireRun]:
-    mesh, near = section.mesh(), near_rest(section)[displayed]
-    unstrained = hung(mesh, section.rest.position)
+def _runs(section: Section, near: Array, displayed: list[int], first: int) -> Iterator[_WireRun]:
+    """The wires of a line that rests about at (3, node) m."""
+    mesh = section.mesh()
+    unstrained = hung(mesh, near)
     for i, wire in enumerate(section.plan.wires):
         part, links = mesh.of(i), int(mesh.strands.links[i])
         length = np.concatenate([[0.0], np.cumsum(unstrained[part][:-1])])
         along = length * (wire.length / length[-1])
         even = np.linspace(0.0, wire.length, links + 1)
-        rest = np.array([np.interp(even, along, row) for row in near[:, part]])
+        rest = np.array([np.interp(even, along, row) for row in near[displayed, part]])
         place = mesh.strands.h[i] * np.arange(links + 1.0)
         yield _WireRun(wire, first, links, rest, wire.length / float(length[-1]) - 1.0, place, along)
         first += links + 1
@@ -140,6 +147,11 @@ class _Part:
     def point(self, spot: Spot) -> Point:
         return self.runs[spot.wire].point(spot.station)
 
+    def place(self, spot: Spot) -> Array:
+        """About where a point of a wire rests, (axis,) m."""
+        run, (own, weight) = self.runs[spot.wire], self.point(spot).parts
+        return np.asarray(run.rest[:, own - run.first] @ weight)
+
     def end_of(self, hold: Hold) -> tuple[int, int] | None:
         """Wire and side of a hold at an end; None: it is on the way."""
         last = float(self.section.supports[-1])  # wires that end aside are a little longer
@@ -162,21 +174,27 @@ def _nodes(parts: Sequence[_Part], runs: Sequence[_WireRun], gravity: Array) -> 
             f = point.at - i
             mass[point.first + i] += (1.0 - f) * lump.mass
             mass[point.first + i + 1] += f * lump.mass
-    light = 1.0 / mass
-    return Nodes(mass, light, light.copy(), mass * gravity[:, None], drag / mass, np.zeros(mass.size))
+    light, force = 1.0 / mass, mass * gravity[:, None]
+    for part in parts:
+        for pull in part.section.plan.sideways:  # in space
+            own, weight = part.point(pull.spot).parts
+            force[1, own] += weight * pull.force
+    return Nodes(mass, light, light.copy(), force, drag / mass, np.zeros(mass.size))
 
 
 def _restraints(parts: Sequence[_Part], axes: int) -> tuple[Restraints, list[str]]:
-    """What holds the ends of all wires: fast, or on rails along which weights pull."""
+    """What holds the ends of wires: fast, or on rails along which weights pull. Links hold those of stitch wires."""
     node, place, free, force, names = [], [], [], [], []
     for part in parts:
         guided = {part.end_of(hold): hold for hold in part.section.plan.holds}
         for i, run in enumerate(part.runs):
             for side, (end, column) in enumerate((("start", 0), ("end", -1))):
+                hold = guided.get((i, side))
+                if hold is None and run.wire.ends[side] == "free":
+                    continue
                 names.append(f"{run.wire.name}.{end}")
                 node.append(run.first + side * run.links)
                 place.append(run.rest[:, column])
-                hold = guided.get((i, side))
                 stiffness = np.full(3, np.inf) if hold is None else np.array(hold.stiffness)
                 free.append(np.diag((~np.isinf(stiffness[part.displayed])).astype(np.float64)))
                 force.append(np.zeros(axes) if hold is None else np.array(hold.force)[part.displayed])
@@ -197,8 +215,13 @@ def _ties(parts: Sequence[_Part], nodes: int) -> tuple[list[Tie], Attached]:
         plan = part.section.plan
         for tie in plan.ties:
             other = part.point(tie.other) if isinstance(tie.other, Spot) else np.array(tie.other)[part.displayed]
-            stiffness = (tie.stiffness, tie.pushes)
-            displayed.append((Tie(part.point(tie.spot), other, tie.length, stiffness, (tie.damping, 0.0)), tie))
+            apart = np.array([0.0, tie.aside, 0.0])[part.displayed]
+            more: dict[str, Any] = {"apart": apart} if isinstance(tie.other, Spot) else {}
+            if tie.lengthwise and isinstance(tie.other, Spot):
+                way = part.place(tie.other) + apart - part.place(tie.spot)
+                more["along"] = float(way[0] ** 2 / (way**2).sum())
+            tied = Tie(part.point(tie.spot), other, tie.length, (tie.stiffness, tie.pushes), (tie.damping, 0.0), **more)
+            displayed.append((tied, tie))
         for hold in plan.holds:
             if part.end_of(hold) is None:
                 restrained += [(tie, hold.name) for tie in _axes_of(part, hold)]
@@ -214,6 +237,8 @@ def _ties(parts: Sequence[_Part], nodes: int) -> tuple[list[Tie], Attached]:
         tuple(tie.name for _, tie in displayed), tuple(tie.spot.station for _, tie in displayed), supports,
         np.array([supports.index(name) if name in supports else -1 for name in names], dtype=np.int64),
         tuple(watched), tuple(station for station, _ in watched.values()), watch.tocsr(),
+        {e: (tie.fails_at, tie.strength) for e, (_, tie) in enumerate(displayed)
+         if np.isfinite(min(tie.fails_at, tie.strength))},
     )  # fmt: skip
     return [tie for tie, _ in displayed] + [tie for tie, _ in restrained], attached
 
@@ -225,6 +250,5 @@ def _axes_of(part: _Part, hold: Hold) -> Iterator[Tie]:
         k, c, F = (float(values[axis]) for values in (hold.stiffness, hold.damping, hold.force))
         if not (k or c or F):
             continue
-        more: dict[str, Any] = {"along": part.runs[hold.spot.wire].wire.axial_stiffness} if axis == 0 else {}
         way = np.eye(len(part.displayed))[a]
-        yield Tie(point, place, 0.0, (k, k), (c, c), F, way, **more)
+        yield Tie(point, place, 0.0, (k, k), (c, c), F, way, along=float(axis == 0))

@@ -1,8 +1,7 @@
 """Lines that are cut on the way: two nodes that were kept together part, each with its half of the mass.
 
-At a time, or after the first step in which a link beside them pulls more than they bear: such lines are looked at after
-each step.
-Both have one place and one velocity when they part, and what kept them together did no work: energy goes on.
+At a time, or after the first step in which a link beside them pulls more than they bear. Both have one place and one
+velocity when they part, and what kept them together did no work: energy goes on.
 """
 
 from __future__ import annotations
@@ -17,10 +16,9 @@ import numpy as np
 from ropewalk.checkpoint import Tree
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.model.scenario import Scenario
-from ropewalk.results.frame import RunInfo
 from ropewalk.system.assembling.assembled import Assembled
-from ropewalk.system.dynamics import motion
-from ropewalk.system.dynamics.asking import Asking
+from ropewalk.system.dynamics.carrier import System
+from ropewalk.system.dynamics.partings import Parting
 from ropewalk.system.elements.structure import Structure
 
 
@@ -37,7 +35,7 @@ class _Cut:
     restraint: int
 
 
-class Cuts:
+class Cuts(Parting):
     """All cuts of lines.
 
     Args:
@@ -45,14 +43,10 @@ class Cuts:
         assembled: the same as arrays, of which restraints change.
         contacts: of loads.
         places: (contact,) m, along their lines; changes.
-        run_info: told of what breaks.
     """
 
-    def __init__(
-        self, scenario: Scenario, assembled: Assembled, contacts: Any, places: Array, run_info: RunInfo
-    ) -> None:  # fmt: skip
-        structure, self._run_info = assembled.structure, run_info
-        self._structure, self._contacts, self._places = structure, contacts, places
+    def __init__(self, scenario: Scenario, assembled: Assembled, contacts: Any, places: Array) -> None:
+        self._structure, self._contacts, self._places = assembled.structure, contacts, places
         names = [name for name, line in scenario.lines.items() if line.cut is not None]
         self._cuts = [_found(scenario, assembled, name) for name in names]
         self._done = np.zeros(len(self._cuts), dtype=np.bool_)
@@ -63,51 +57,34 @@ class Cuts:
         ahead = [cut.time for cut, done in zip(self._cuts, self._done, strict=True) if not done]
         return min(ahead, default=float("inf"))
 
-    def to(self, asking: Asking, end: float) -> int:
-        """Go on to a time in s, and cut on the way what is to be cut; returns as `Asking.to`."""
-        while (time := self.next()) <= end:
-            if time > asking.carrier.t and (status := self._go(asking, time)) != motion.RUNNING:
-                return status
-            self.cut_until(time)
-        return self._go(asking, end) if end > asking.carrier.t else motion.RUNNING
-
-    def _go(self, asking: Asking, end: float) -> int:
-        """Go on to a time in s, step by step as long as a line may break."""
-        carrier = asking.carrier
-        begin, count = carrier.t, max(1, math.ceil((end - carrier.t) / carrier.longest - 1e-9))
-        for i in range(1, count):
-            if not self._watched():
-                break
-            if (status := asking.to(begin + i * (end - begin) / count)) != motion.RUNNING:
-                return status
-            self._break(carrier.system.buffers.tension, carrier.t)
-        status = asking.to(end) if end > carrier.t else motion.RUNNING
-        if status == motion.RUNNING and self._watched():
-            self._break(carrier.system.buffers.tension, carrier.t)
-        return status
+    def is_watched(self) -> bool:
+        """Whether a line may still break by too much tension."""
+        return bool(self._watched())
 
     def _watched(self) -> list[int]:
-        """Cuts that may still come by too much tension."""
         return [i for i, cut in enumerate(self._cuts) if not self._done[i] and math.isfinite(cut.strength)]
 
-    def _break(self, tension: Array, t: float) -> None:
+    def overpulled(self, system: System) -> list[str]:
+        """Part lines that pull more than they bear; returns what is to be told of them."""
+        messages = []
         for i in self._watched():
             cut = self._cuts[i]
-            if (pull := float(tension[cut.links].max())) > cut.strength:
+            if (pull := float(system.buffers.tension[cut.links].max())) > cut.strength:
                 self._part(i)
-                self._run_info.warnings.append(
-                    f"line {cut.line} broke at t = {t:.4g} s, {cut.at:g} m from its start, pulling with {pull:.4g} N"
-                )
+                where = f"t = {system.state.t[0]:.4g} s, {cut.at:g} m from its start"
+                messages.append(f"line {cut.line} broke at {where}, pulling with {pull:.4g} N")
+        return messages
 
     def _part(self, i: int) -> None:
         self._done[i], self._behind[i] = True, self._sides(self._cuts[i])
         _part(self._structure, self._cuts[i].restraint, parted=True)
 
-    def cut_until(self, t: float) -> None:
-        """Cut what is to be cut up to t in s."""
+    def until(self, system: System) -> list[str]:
+        """Cut what is to be cut up to now; nothing is to be told of it."""
         for i, cut in enumerate(self._cuts):
-            if not self._done[i] and cut.time <= t * (1.0 + 1e-12):
+            if not self._done[i] and cut.time <= system.state.t[0] * (1.0 + 1e-12):
                 self._part(i)
+        return []
 
     def crossed(self) -> str | None:
         """A load that has come to the cut of its line."""

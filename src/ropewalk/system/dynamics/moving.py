@@ -37,6 +37,8 @@ from ropewalk.system.dynamics.asking import FAILED, Asking
 from ropewalk.system.dynamics.beginning import begin_elsewhere, measure_from_rest
 from ropewalk.system.dynamics.carrier import SHORTER, System, SystemCarrier
 from ropewalk.system.dynamics.cuts import Cuts, runs_ahead_of_cuts
+from ropewalk.system.dynamics.failing_ties import FailingTies
+from ropewalk.system.dynamics.partings import Partings
 from ropewalk.system.dynamics.window import Window
 from ropewalk.system.elements.compliance import compliances
 from ropewalk.system.elements.inertia import remark_inertia, with_inertia
@@ -126,7 +128,8 @@ class SystemMotion:
         windy = scenario.wind is not None and not scenario.wind.is_calm
         ahead = runs_ahead_of_cuts(scenario, self.assembled.line, self.structure.lines.begin)
         self._builder = FrameBuilder(self.assembled, loading, self.bodies, windy, cut=ahead)
-        self._cuts = Cuts(scenario, self.assembled, self.contacts, self.state.s, run_info)
+        cuts = Cuts(scenario, self.assembled, self.contacts, self.state.s)
+        self._partings = Partings({"cuts": cuts, "ties": FailingTies(self.assembled)}, run_info)
         self._turned = np.zeros(1, dtype=np.int64)  # 1: it has been said that lines have turned far
         self._fast = np.zeros(self.contacts.size, dtype=np.int64)  # frames in which each was faster than waves
         self._slipped = np.zeros(self.contacts.size, dtype=np.int64)  # 1: it has been said that friction is not enough
@@ -167,6 +170,7 @@ class SystemMotion:
         doubts.doubt_slack(scenario, run_info, self.layout.link_line, tension[self._builder.link])
         cut = stability.cut_by_damping(self.assembled, self.rest, self.times[-1] / self._step)
         run_info.warnings += [*shaken(scenario), *doubts.coarse_for_wheels(scenario), *self._carriages.slack(), *cut]
+        run_info.warnings += doubts.not_pushed_outwards(scenario)
         run_info.warnings += doubts.joined_beside(scenario, self.assembled)
 
     @property
@@ -357,9 +361,9 @@ class SystemMotion:
             status, self.run_info.steps = self._implicit.to(float(self.times[i])), self._implicit.steps
         else:
             end = float(self.times[i])
-            status = self._cuts.to(self._asking, end) if self._window is None else self._go_in_window(end)
+            status = self._partings.to(self._asking, end) if self._window is None else self._go_in_window(end)
             self.run_info.steps, self._carrier.steps = self.run_info.steps + self._carrier.steps, 0
-        if (crossed := self._cuts.crossed()) is not None:
+        if (crossed := self._partings.crossed()) is not None:
             return Ending("travel ended", f"stopped at t = {self.state.t[0]:.6g} s: {crossed}")
         if status == motion.RUNNING:
             return None
@@ -415,8 +419,8 @@ class SystemMotion:
 
     @property
     def together(self) -> bool:
-        """Whether frames may be made later: nodes that pass over sheaves belong to other runs from then on."""
-        return self.structure.sheaves is None
+        """Whether frames may be made later: nodes over sheaves go to other runs, and ties that fail are gone."""
+        return self.structure.sheaves is None and not (self.assembled.attached and self.assembled.attached.fails)
 
     def _doubt_speeds(self, path: Array, contacts: Any) -> None:
         """Doubt kinks that are carried along faster than transverse waves."""
@@ -472,7 +476,7 @@ class SystemMotion:
         """
         changing = {name: copied(arrays) for name, arrays in self._changing().items()}
         own = {"frames": self._builder.get_state(), "longest": self._carrier.longest}
-        return {**own, **changing, "guides": self._asking.get_state(), "cuts": self._cuts.get_state()}
+        return {**own, **changing, "guides": self._asking.get_state(), "partings": self._partings.get_state()}
 
     def set_state(self, tree: Tree) -> None:
         """Go on from there."""
@@ -481,7 +485,7 @@ class SystemMotion:
         for name, arrays in self._changing().items():
             put(arrays, tree[name])
         self._asking.set_state(tree["guides"])
-        self._cuts.set_state(tree["cuts"])
+        self._partings.set_state(tree["partings"])
 
     def _changing(self) -> dict[str, Any]:
         own = {"fast": self._fast, "slipped": self._slipped, "turned": self._turned}

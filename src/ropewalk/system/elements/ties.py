@@ -2,7 +2,7 @@
 
 A point of a line is one of its spline, which nodes share; so the way from one end of a tie to the other is
 
-    a = sum p r + g,   p: parts of nodes, those of the one end negative;   g: m, of the ground,
+    a = sum p r + g,   p: parts of nodes, those of the one end negative;   g: m, of the ground, or between coordinates,
 
 and with the length l = |a|, or l = n a along a unit vector n that stays, its potential energy is
 
@@ -29,6 +29,7 @@ from ropewalk.system.elements.compliance import compliance, compliances
 from ropewalk.system.elements.spline import WIDTH, share
 
 _YIELDS = 1e-12  # m/N: what yields less is taken to yield by this
+_AT_NODE = 1e-9  # links
 
 
 class Ties(NamedTuple):
@@ -137,6 +138,7 @@ class Point:
     at: float  # links along the run
     tension: float  # N, at rest
     bending: float  # N m^2
+    axial: float = 0.0  # N, EA
 
     @cached_property
     def parts(self) -> tuple[Integers, Array]:
@@ -149,7 +151,7 @@ class Point:
     def yields(self, whole: float) -> float:
         """By how much it is further than its spline for each N, m/N: `whole` is T + EI/h^2, or EA along the line."""
         bending, out = self.bending / self.h**2, np.zeros(4)
-        if whole <= 0.0:
+        if whole <= 0.0 or min(self.at, self.links - self.at) < _AT_NODE:  # nothing kinks at an end
             return 0.0
         root = np.sqrt(bending / (self.tension + bending)) if bending > 0.0 else 0.0
         compliance(self.at, self.links, root, compliances(), out)
@@ -184,14 +186,15 @@ class Tie:
     damping: tuple[float, float] = (0.0, 0.0)
     preload: float = 0.0  # N
     way: Array | None = None  # (axis,)
-    along: float = 0.0  # N, axial stiffness of the line, if the tie acts along it
+    along: float = 0.0  # square of the cosine of its angle to the line
+    apart: Array | None = None  # (axis,) m, how much farther away the other point is than its coordinates say
 
     def in_series(self, stiffness: float) -> float:
         """What is left of a stiffness beside what the ends give way, N/m."""
         if stiffness == 0.0:
             return 0.0
         points = [end for end in (self.one, self.other) if isinstance(end, Point)]
-        soft = sum(end.yields(self.along) if self.along else end.yields_across for end in points)
+        soft = sum(self.along * end.yields(end.axial) + (1.0 - self.along) * end.yields_across for end in points)
         return 1.0 / max(1.0 / stiffness + soft, _YIELDS)
 
 
@@ -206,6 +209,7 @@ def ties_of(ties: Sequence[Tie], axes: int) -> Ties | None:
         if isinstance(tie.other, Point | MassNode):
             more, other = tie.other.parts
             node, part = np.concatenate([node, more]), np.concatenate([part, other])
+            ground[e] = 0.0 if tie.apart is None else tie.apart
         else:
             ground[e] = tie.other
         if tie.way is not None:

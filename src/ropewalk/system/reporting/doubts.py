@@ -8,11 +8,15 @@ from typing import Any
 
 import numpy as np
 
+from ropewalk.mechanics.assembly import speed_table
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.contact_points import ContactPoint
 from ropewalk.model.carriage import Carriage
 from ropewalk.model.joint import Joined
+from ropewalk.model.load import GivenForces
+from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
+from ropewalk.model.travel import FreeTravel, Travel
 from ropewalk.model.trolley import Trolley
 from ropewalk.results.frame import RunInfo
 from ropewalk.results.frames import Frames
@@ -31,6 +35,8 @@ _SLACK = 1e-9
 _NOTHING = 1e-10
 # Part of a cell up to which a node is where something is joined.
 _BESIDE = 1e-6
+# Part of gravity from which on what a curve would push with is told.
+_FELT = 0.02
 # Length of links over the smallest rocker from which on single wheels on a saddle are not resolved.
 _COARSE = 1.5
 
@@ -52,6 +58,25 @@ def coarse_for_wheels(scenario: Scenario) -> Iterator[str]:
                 f"links of {load.on} are {times:.2g} times as long as the smallest rocker of {name}: over a saddle "
                 "loads of single wheels are wrong by tens of per cent, and the force of the saddle with them; write "
                 f"lines.{load.on}.elements: {math.ceil(length / load.rockers[0])} or more for these"
+            )
+
+
+def not_pushed_outwards(scenario: Scenario) -> Iterator[str]:
+    """Loads with a mass on curves of overhead lines, in words, whose chords are laid out straight.
+
+    What they miss is told from a fiftieth of gravity on: a payload would hang a degree aside.
+    """
+    for name, load in scenario.loads.items():
+        line, travel = scenario.overhead_lines.get(load.on), getattr(load, "travel", None)
+        if line is None or isinstance(load, GivenForces) or not isinstance(travel, Travel | FreeTravel):
+            continue
+        until = scenario.run.until if isinstance(scenario.run, Dynamic) else 0.0
+        fastest = float(np.abs(speed_table(travel.speed, until)[1]).max())
+        outwards = fastest**2 * max(abs(k) for k in line.curvatures)
+        if outwards > _FELT * scenario.gravity:
+            yield (
+                f"{name} goes along the curve of {load.on} as along straight chords: the curve does not push it "
+                f"outwards, with {outwards:.2g} m/s^2 at {fastest:.3g} m/s"
             )
 
 

@@ -175,8 +175,13 @@ class FrameBuilder:
         beyond = reading.of(tension)
         seen = self._contacts(at, tension, beyond)
         places, velocities = self._displayed_bodies(at)
+        position = at.r[:, :, self.node].swapaxes(1, 2)
+        if (bow := self.assembled.bow) is not None:
+            position[..., 1] += bow[self.node]
+            seen.position[..., 1] += self._bow_at(seen.position[..., 0], self._contact_lines)
+            places[..., 1] += self._bow_at(places[..., 0], self._body_lines)
         of = {
-            "position": at.r[:, :, self.node].swapaxes(1, 2), "velocity": at.v[:, :, self.node].swapaxes(1, 2),
+            "position": position, "velocity": at.v[:, :, self.node].swapaxes(1, 2),
             "tension": beyond[:, self.link], "strain": reading.of(self._strains(at))[:, self.link],
             **seen.fields(),
             "body_position": places, "body_velocity": velocities, "reaction": self._reactions(at),
@@ -185,6 +190,28 @@ class FrameBuilder:
             "energy": self._energy(at, still=still is not None),
         }  # fmt: skip
         return Frames(at.t if still is None else np.full(at.t.shape, still), of)
+
+    def _bow_at(self, x: Array, line: Sequence[int]) -> Array:
+        """How far to the left on curves results show what is over places of lines, (instant, what) m."""
+        runs, near, bow = self.assembled.structure.runs, self.assembled.near, self.assembled.bow
+        assert bow is not None
+        out = np.zeros_like(x)
+        for k, s in enumerate(line):
+            own = slice(runs.first[s], runs.first[s] + runs.links[s] + 1)
+            out[:, k] = np.interp(x[:, k], near[0, own], bow[own])
+        return out
+
+    @property
+    def _contact_lines(self) -> list[int]:
+        """Numbers of the lines of all contacts."""
+        return [self.assembled.on[wheel.load] for wheel in self.loading.wheels]
+
+    @property
+    def _body_lines(self) -> list[int]:
+        """Numbers of the lines of all bodies."""
+        multibody_system = self.loading.multibody_system
+        displayed = () if multibody_system is None else multibody_system.displayed
+        return [self._contact_lines[body.wheel] for body in displayed]
 
     def _restraint_of(self, node: int) -> int:
         """The restraint of a node, -1: none."""
