@@ -15,6 +15,7 @@ import numpy as np
 from ropewalk.mechanics.chain import FRICTIONLESS, OFF, Array, ChainState, Integers
 from ropewalk.mechanics.law import stored_total, tensions
 from ropewalk.mechanics.moving_contact import force_at, link_of, speed_at
+from ropewalk.mechanics.notes import Notes, columns
 from ropewalk.results.frame import MOVES, STICKS, Contacts
 from ropewalk.results.frames import summed
 from ropewalk.solve.hold_forces import coefficient_used
@@ -25,7 +26,6 @@ from ropewalk.solve.start import PreparedRun
 class ManyStates:
     """States at some instants, which come first."""
 
-    each: Sequence[ChainState]
     t: Array  # (instant,) s
     r: Array  # (instant, axis, node) m
     w: Array  # (instant, axis, node) m/s
@@ -37,11 +37,15 @@ class ManyStates:
     work: Array  # (instant, work) J
 
     @staticmethod
-    def of(states: Sequence[ChainState]) -> ManyStates:
-        """Put states together."""
-        names = ("r", "w", "X", "xi", "speed", "moving_load", "hold", "work")
-        arrays = {name: np.stack([getattr(state, name) for state in states]) for name in names}
-        return ManyStates(states, np.array([float(state.t[0]) for state in states]), **arrays)
+    def of(notes: Sequence[Notes], state: ChainState) -> ManyStates:
+        """What has been noted of a state."""
+        t, *others = columns(notes, state)
+        return ManyStates(t[:, 0], *others)
+
+    def at(self, i: int) -> ChainState:
+        """One of them."""
+        others = (self.r, self.w, self.X, self.xi, self.speed, self.moving_load, self.hold, self.work)
+        return ChainState(self.t[i : i + 1], *(array[i] for array in others))
 
     def moving_nodes(self, k: int) -> tuple[Integers, Integers]:
         """Instants at which a node rides with load k, and which."""
@@ -155,7 +159,7 @@ def contacts(setting: PreparedRun, states: ManyStates, links: ManyLinks, mean_ho
         for q, row in enumerate(on.tolist()):
             if states.moving_load[row, k] >= 0:
                 continue
-            i = int(link_of(strands, loads, states.each[row], k))
+            i = int(link_of(strands, loads, states.at(row), k))
             X, r = states.X[row], states.r[row]
             part = (states.xi[row, k] - X[i]) / (X[i + 1] - X[i])
             seen.position[row, k] = (1.0 - part) * r[:, i] + part * r[:, i + 1]
