@@ -12,9 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ropewalk.mechanics.at_instants import forces_at, speeds_at, stored_totals
 from ropewalk.mechanics.chain import FRICTIONLESS, OFF, Array, ChainState, Integers
-from ropewalk.mechanics.law import stored_total, tensions
-from ropewalk.mechanics.moving_contact import force_at, link_of, speed_at
+from ropewalk.mechanics.law import tensions
+from ropewalk.mechanics.moving_contact import link_of
 from ropewalk.mechanics.notes import Notes, columns
 from ropewalk.results.frame import MOVES, STICKS, Contacts
 from ropewalk.results.frames import summed
@@ -82,7 +83,7 @@ class ManyLinks:
             rate = (along - np.diff(U[:, i : j + 1], axis=1) * length / rest) / rest
             pull = tensions(strands.law[s], strain.ravel()).reshape(strain.shape) + strands.damping[s] * rate
             eps[:, i:j], T[:, i:j], f[:, :, i:j] = strain, pull, pull[:, None] * d / length[:, None]
-            elastic += [stored_total(strands.law[s], strain[q], rest[q]) for q in range(count)]
+            elastic += stored_totals(strands.law[s], strain, rest)
         return ManyLinks(eps, T, f, elastic)
 
 
@@ -146,9 +147,10 @@ def contacts(setting: PreparedRun, states: ManyStates, links: ManyLinks, mean_ho
     seen = Contacts(count, states.xi.shape[1], dim)
     for k in range(states.xi.shape[1]):
         s, on = int(loads.strand[k]), np.flatnonzero(states.moving_load[:, k] != OFF)
-        F = np.array([[force_at(loads, k, t, a) for a in range(dim)] for t in states.t[on]]).reshape(-1, dim)
+        times = np.ascontiguousarray(states.t[on])
+        F = forces_at(loads, k, times, dim)
         seen.hold[on, k], seen.xi[on, k] = 0.0, states.xi[on, k]
-        seen.speed[on, k] = [speed_at(loads, k, t) for t in states.t[on]]
+        seen.speed[on, k] = speeds_at(loads, k, times)
         seen.state[on, k] = np.where(states.speed[on, k] != 0.0, MOVES, STICKS)
         rows, b = states.moving_nodes(k)
         seen.position[rows, k] = states.r[rows, :, b]

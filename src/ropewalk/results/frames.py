@@ -17,7 +17,7 @@ from ropewalk.results.frame import Array, Frame
 
 NAMES = tuple(field.name for field in fields(Frame) if field.name != "path")
 WAIT = 0.1  # s, the longest that frames wait for others: a run that is killed loses no more for it
-SPACE = 16_000_000  # bytes, about as much as they take while they wait
+SPACE = 2_000_000  # bytes, about as much as they take while they wait; of more, arrays leave the caches
 _GROWTH = 8  # times as many instants as the last time are noted without a pause, at most
 _QUICK = 1e-6  # s: clocks are no finer
 
