@@ -87,11 +87,11 @@ def test_frames_that_wait_are_given_before_an_interrupt(monkeypatch):
 
 def test_no_more_frames_wait_than_there_is_room_for(monkeypatch):
     monkeypatch.setattr(frames, "WAIT", 1e9)
-    waiting = Waiting(frames.SPACE // 3)
-    assert waiting.append(0)  # the first one waits for none
-    assert waiting.taken() == [0]
-    assert [waiting.append(i) for i in range(3)] == [False, False, True]
-    assert Waiting(2 * frames.SPACE).append(0)  # one larger than all the room
+    waiting, one = Waiting(frames.SPACE // 3), NotedInstants(1, None)
+    assert waiting.append(one, 0)  # the first one waits for none
+    assert waiting.taken() == [(one, 0)]
+    assert [waiting.append(one, i) for i in range(3)] == [False, False, True]
+    assert Waiting(2 * frames.SPACE).append(one, 0)  # one larger than all the room
 
 
 def test_what_is_recorded_at_once_is_what_is_recorded_one_by_one(tmp_path, monkeypatch):

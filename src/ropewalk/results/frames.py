@@ -18,7 +18,7 @@ from ropewalk.results.frame import Array, Frame
 NAMES = tuple(field.name for field in fields(Frame) if field.name != "path")
 WAIT = 0.1  # s, the longest that frames wait for others: a run that is killed loses no more for it
 SPACE = 2_000_000  # bytes, about as much as they take while they wait; of more, arrays leave the caches
-_GROWTH = 8  # times as many instants as the last time are noted without a pause, at most
+_GROWTH = 8  # times as many instants as ever before are noted without a pause, at most
 _QUICK = 1e-6  # s: clocks are no finer
 
 
@@ -73,22 +73,24 @@ class Waiting:
         self._since = -np.inf  # the first frame does not wait
         self._notes = list[Any]()
         self._count = 0
-        self._begun, self._last, self._each = 0.0, 1, WAIT  # of the last notes: when, how many, and s for one
+        self._begun, self._largest = 0.0, 1  # when they were asked for, and the most at once so far
+        self._each = max(WAIT, _QUICK)  # s, that the last of them took for one
 
     def ask(self) -> int:
-        """How many instants may be noted without a pause: as many as there is time and room for, as the last took."""
+        """How many instants may be noted without a pause: as many as there is time and memory for."""
         self._begun = clock.monotonic()
         left = WAIT - (self._begun - self._since)
-        in_time = int(min(max(left / self._each, 1.0), _GROWTH * self._last))
+        in_time = int(min(max(left / self._each, 1.0), _GROWTH * self._largest))
         return max(1, min(in_time, self._most - self._count))
 
     def append(self, noted: NotedInstants, beside: Any) -> bool:
         """Keep notes, and what belongs to them; says whether it is time to make frames."""
         now = clock.monotonic()
-        self._last, self._each = noted.number, max(now - self._begun, _QUICK) / max(noted.number, 1)
+        self._largest = max(self._largest, noted.number)
+        self._each = max(now - self._begun, _QUICK) / max(noted.number, 1)
         self._notes.append((noted, beside))
         self._count += noted.number
-        return self._count >= self._most or now - self._since >= WAIT
+        return self._count >= self._most or now + self._each > self._since + WAIT
 
     def taken(self) -> list[Any]:
         """All that is waiting, which does so no longer."""

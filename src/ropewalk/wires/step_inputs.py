@@ -29,7 +29,8 @@ class StepInputs(NamedTuple):
 
     def together(self, instants: int = 1) -> StepInputs:
         """The same with a number of output instants first, each of as many rows."""
-        parts = (array.reshape(instants, -1, *array.shape[1:]) for array in self)
+        rows = self.time.size // instants
+        parts = (array.reshape(instants, rows, *array.shape[1:]) for array in self)
         return StepInputs(*parts)  # type: ignore[arg-type]
 
 
