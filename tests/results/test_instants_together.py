@@ -15,6 +15,7 @@ from ropewalk.results.frames import Waiting
 from ropewalk.results.running import TimeHistory
 from ropewalk.scenario import loads
 from ropewalk.simulate import run_of
+from ropewalk.solve.motion import ChainMotion
 from ropewalk.system.dynamics import intervals
 from ropewalk.system.dynamics.moving import SystemMotion
 from ropewalk.wires.frames import Wires
@@ -47,13 +48,14 @@ run: {kind: dynamic, geometry: linearised, until: 0.4, every: %s}
 CASES = {
     "rope": ROPE % (19.5, "", "[0, -800]", 10, "", ""),
     "rope, verlet": ROPE % (19.5, ", axial_damping: 20", "[0, -800]", 10, "", ""),
-    "rope in compression": ROPE % (18, "", "[0, -800]", 10, "", ""),
+    "rope in compression": ROPE.replace("5 ms", "6 ms") % (18, "", "[0, -800]", 10, "", ", accuracy: 1 mm"),
     "rope that stiffens": STIFFENS % (19.99, "", "[0, -9000]", 30, "", ""),
     "rope, tables": ROPE % (19.5, "", STEPS, SPEEDS, "", ""),
     "rope to its end": ROPE % (19.5, "", "[0, -800]", 60, ", measured: slip", ""),
     "rope, implicit": ROPE % (19.5, ", axial_damping: 2000", "[0, -800]", 10, "", ", method: implicit"),
     "joined ropes, force": JOINED % ("force, force: [0, -500]", ", at_end: stay"),
     "joined ropes, mass that stops the run": JOINED % ("mass, mass: 10", ""),
+    "joined ropes, oscillator": JOINED % ("oscillator, mass: 10, stiffness: 4 kN/m, damping: 50", ", at_end: stay"),
     "beam, oscillator": BEAM % ("", "oscillator, mass: 100, stiffness: 20 kN/m, damping: 500", "1 ms"),
     "beam, force": BEAM % ("", "force, force: [0, -500]", "1 ms"),
     "beam, mass, samples": BEAM % (", drag: 0.5", "mass, mass: 100", "7 ms"),
@@ -73,10 +75,20 @@ def with_at_most(most: int, monkeypatch, name: str):
     return ropewalk.simulate(scenario(name))
 
 
+def one_by_one(monkeypatch, name: str):
+    """By calls of Python for each instant, and what it looks at there."""
+    with monkeypatch.context() as patch:
+        patch.setattr(ChainMotion, "goes_through", False)
+        patch.setattr(SystemMotion, "_intervals", lambda self, i, most: intervals.Intervals.nowhere(self.bodies))
+        patch.setattr(Wires, "_count_through", lambda self, i, most: 1)
+        return with_at_most(1, patch, name)
+
+
 @pytest.mark.parametrize("name", [*CASES, *OF_OTHERS])
 def test_to_the_last_bit_results_do_not_depend_on_how_many_instants_come_at_once(name, monkeypatch):
-    one, *others = (with_at_most(most, monkeypatch, name) for most in (1, 7, 10_000))
-    for other in others:
+    one = one_by_one(monkeypatch, name)
+    for most in (1, 7, 10_000):
+        other = with_at_most(most, monkeypatch, name)
         assert set(one.variables) == set(other.variables)
         for key in one.variables:
             a, b = one[key].values, other[key].values
