@@ -21,9 +21,10 @@ from ropewalk.model import Dynamic, Line, MovingForce, Scenario, Travel
 from ropewalk.results.frame import RunInfo
 from ropewalk.solve.choice import RKN6_LIMIT, bounds, verlet_step
 from ropewalk.solve.composition import RKN6, VERLET
-from ropewalk.solve.splitting import advance
 from ropewalk.solve.start import setting_of, start_state
-from ropewalk.system.dynamics import motion
+from ropewalk.solve.stops import Stops, advance
+from ropewalk.system.dynamics.intervals import Intervals
+from ropewalk.system.dynamics.intervals import advance as along_intervals
 from ropewalk.system.dynamics.moving import SystemMotion
 
 Array = NDArray[np.float64]
@@ -61,7 +62,8 @@ def rope_steps(elements: int, method: str, damping: float) -> Callable[[], float
     def timed() -> float:
         now, buffers = state.copy(), ChainBuffers.for_state(state)
         start = clock.process_time()
-        _, steps = advance(setting.strands, setting.loads, now, buffers, kicks, drifts, count * step, step, 10**9)
+        stops = Stops.to(count * step)
+        _, steps = advance(setting.strands, setting.loads, now, buffers, kicks, drifts, stops, step, 10**9)
         return (clock.process_time() - start) / steps
 
     return timed
@@ -166,8 +168,9 @@ def joined_steps(load: dict[str, object], elements: int) -> Callable[[], float]:
     moving = SystemMotion(joined_ropes(load, elements), RunInfo(), np.linspace(0.0, 0.5, 3))
     system, step = moving._system(), moving.run_info.step
     count = max(min(int(WORK / 10 / elements), int(0.5 / step)), 20)  # while the load is on its line
-    begin, arguments = deepcopy(system.changing()), (*system.arguments, step, count)
-    go = entry_of(motion.advance, arguments)
+    nowhere = Intervals.nowhere(system.bodies)
+    begin, arguments = deepcopy(system.changing()), (*system.arguments, step, count, nowhere)
+    go = entry_of(along_intervals, arguments)
 
     def timed() -> float:
         system.put(begin)

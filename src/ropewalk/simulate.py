@@ -177,15 +177,15 @@ def must_compile(scenario: Scenario) -> str:
         return ""
     engine = engine_of(scenario)
     if engine is SYSTEM:
-        from ropewalk.system.dynamics import motion as system
+        from ropewalk.system.dynamics.intervals import advance as of_system
 
-        return "" if is_kept(system.advance) else "about half a minute"
+        return "" if is_kept(of_system) else "about half a minute"
     if engine is WIRES:
         from ropewalk.wires import large, small
 
         kernel = large.advance if scenario.run.geometry == "nonlinear" else small.advance
         return "" if is_kept(kernel) else "about a quarter of a minute"
-    from ropewalk.solve.splitting import advance
+    from ropewalk.solve.stops import advance
 
     bodied = any(not isinstance(load, GivenForces) for load in scenario.loads.values())
     if is_kept(advance, lambda kinds: hasattr(kinds[-1], "types") == bodied):

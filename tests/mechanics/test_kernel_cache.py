@@ -1,6 +1,7 @@
 """Where compiled kernels are kept, and that nothing else is taken for them."""
 
 import ast
+import hashlib
 import os
 import shutil
 import subprocess
@@ -100,6 +101,18 @@ def test_a_spoilt_kernel_is_compiled_anew(program, ending, damage):
             data = bytearray(path.read_bytes())
             data[len(data) // 2] ^= 1
             path.write_bytes({"cut": data[:-7], "flipped": data, "empty": b""}[damage])
+    again = ran(program)
+    assert (again.stdout, again.stderr) == ("8 0\n", "")
+    assert ran(program).stdout == "8 1\n"
+
+
+@pytest.mark.parametrize("ending", ["nbi", "nbc"])
+def test_a_kernel_of_a_module_that_has_gone_is_compiled_anew(program, ending):
+    """As one that was kept by a test, whose modules nobody else can import; what it names cannot be read then."""
+    for path in kept(program):
+        if path.suffix == f".{ending}":
+            data = b"cmodule_that_has_gone\nname\n."  # what pickle writes for a name of that module
+            path.write_bytes(hashlib.sha256(data).digest() + data)
     again = ran(program)
     assert (again.stdout, again.stderr) == ("8 0\n", "")
     assert ran(program).stdout == "8 1\n"

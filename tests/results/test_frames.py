@@ -12,7 +12,7 @@ import ropewalk
 from resume_cases import case
 from ropewalk.results import Recorder, frames, recorder
 from ropewalk.results.frame import ENERGY_FORMS, RunInfo
-from ropewalk.results.frames import Frames, Waiting
+from ropewalk.results.frames import Frames, NotedInstants, Waiting
 from ropewalk.results.running import Ending, TimeHistory
 
 SPENT = ("cpu_seconds", "wall_seconds", "compile_seconds")
@@ -49,17 +49,18 @@ class Engine:
         self._frames = list(wave.frames(self.layout))[:8]
         self.times = np.array([frame.path for frame in self._frames])
 
-    def advance(self, i):
+    def advance(self, i, most=1):
+        self._now = None
         if i == self._ends:
             raise KeyboardInterrupt
         self._now = i
         return Ending("diverged", "not at all") if i == 5 else None
 
     def note(self):
-        return self._frames[self._now]
+        return NotedInstants(0, None) if self._now is None else NotedInstants(1, self._frames[self._now])
 
     def frames(self, notes):
-        return Frames.together(notes)
+        return Frames.together([noted.of for noted in notes])
 
 
 def test_the_first_frame_waits_for_none_and_a_motion_that_breaks_down_ends_with_its_last_one(monkeypatch):
@@ -86,11 +87,11 @@ def test_frames_that_wait_are_given_before_an_interrupt(monkeypatch):
 
 def test_no_more_frames_wait_than_there_is_room_for(monkeypatch):
     monkeypatch.setattr(frames, "WAIT", 1e9)
-    waiting = Waiting(frames.SPACE // 3)
-    assert waiting.append(0)  # the first one waits for none
-    assert waiting.taken() == [0]
-    assert [waiting.append(i) for i in range(3)] == [False, False, True]
-    assert Waiting(2 * frames.SPACE).append(0)  # one larger than all the room
+    waiting, one = Waiting(frames.SPACE // 3), NotedInstants(1, None)
+    assert waiting.append(one, 0)  # the first one waits for none
+    assert waiting.taken() == [(one, 0)]
+    assert [waiting.append(one, i) for i in range(3)] == [False, False, True]
+    assert Waiting(2 * frames.SPACE).append(one, 0)  # one larger than all the room
 
 
 def test_what_is_recorded_at_once_is_what_is_recorded_one_by_one(tmp_path, monkeypatch):

@@ -19,8 +19,9 @@ from ropewalk.solve.composition import VERLET
 from ropewalk.solve.jacobian import linearise
 from ropewalk.solve.radau import NO_CONVERGENCE, advance_implicit, workspace_for
 from ropewalk.solve.radau_iia import A, C
-from ropewalk.solve.splitting import END_OF_LINE, NOT_FINITE, RUNNING, TOO_MANY_STEPS, advance
+from ropewalk.solve.splitting import END_OF_LINE, NOT_FINITE, RUNNING, TOO_MANY_STEPS
 from ropewalk.solve.start import PreparedRun, setting_of, start_state
+from ropewalk.solve.stops import Stops, advance
 
 TAUT = {"length": 19.1, "axial_stiffness": 2e4}
 
@@ -50,7 +51,7 @@ def implicit(
 def explicit(setting: PreparedRun, start: ChainState, until: float, step: float) -> ChainState:
     state = start.copy()
     status, _ = advance(
-        setting.strands, setting.loads, state, ChainBuffers.for_state(state), *VERLET, until, step, 10_000_000
+        setting.strands, setting.loads, state, ChainBuffers.for_state(state), *VERLET, Stops.to(until), step, 10_000_000
     )
     assert status == RUNNING
     return state

@@ -17,7 +17,8 @@ from ropewalk.solve import eigenvalues
 from ropewalk.solve.composition import VERLET
 from ropewalk.solve.linearised import linearise
 from ropewalk.solve.spectrum import spectrum
-from ropewalk.solve.splitting import RUNNING, advance
+from ropewalk.solve.splitting import RUNNING
+from ropewalk.solve.stops import Stops, advance
 from spectrum_cases import CHAIN, LAWS, NO_FLOOR, TENSION_ONLY, closed_form, hanging, straight, strand, wavy
 
 
@@ -296,7 +297,14 @@ def test_the_verlet_method_is_stable_up_to_the_stable_step_and_not_beyond(c):
             np.zeros(1), r + shape, np.zeros_like(r), X.copy(), none, none.copy(), whole, none.copy(), np.zeros(4)
         )
         status, steps = advance(
-            strands, loads, state, ChainBuffers.for_state(state), *VERLET, 600 * step, step * (1 + 1e-9), 10**6
+            strands,
+            loads,
+            state,
+            ChainBuffers.for_state(state),
+            *VERLET,
+            Stops.to(600 * step),
+            step * (1 + 1e-9),
+            10**6,
         )
         assert (status, steps) == (RUNNING, 600)
         return np.abs(state.r - r).max() / 1e-7

@@ -43,7 +43,7 @@ def at_first(rope: dict[str, Any], **more: Any) -> SystemMotion:
 
 def frame_of(motion: SystemMotion) -> Frame:
     """Its present frame."""
-    return motion.frames([motion.note()])[0]
+    return motion.frames([motion.note_present()])[0]
 
 
 def form(result: xr.Dataset, name: str) -> np.ndarray:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -284,9 +283,9 @@ class ChainFrameBuilder:
             energy=self._audit.of(**_of_lines(setting, state, segments.elastic, w), **of_loads, **self._works(state)),
         )
 
-    def build_many(self, notes: Sequence[ChainState]) -> Frames:
+    def build_many(self, states: many.ManyStates) -> Frames:
         """The frames of some states that follow one another, see `many_frames.py`."""
-        setting, states = self.setting, many.ManyStates.of(notes)
+        setting = self.setting
         links, (r, w) = many.ManyLinks.of(setting, states), many.material_nodes(setting, states)
         since, impulse = np.append(self._restrained[0], states.t), np.vstack([self._restrained[1], states.hold])
         step, pushed = np.diff(since)[:, None], np.diff(impulse, axis=0)
@@ -296,7 +295,7 @@ class ChainFrameBuilder:
         works = {form: states.work[:, at] - self._work[at] for form, at in _WORKS.items()}
         reaction = many.reactions(setting, links)
         seen = many.contacts(setting, states, links, mean_hold, reaction)
-        nothing = np.zeros((len(notes), 0, r.shape[1]))
+        nothing = np.zeros((states.t.size, 0, r.shape[1]))
         return Frames(
             states.t,
             {

@@ -12,9 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ropewalk.mechanics.at_instants import forces_at, speeds_at, stored_totals
 from ropewalk.mechanics.chain import FRICTIONLESS, OFF, Array, ChainState, Integers
-from ropewalk.mechanics.law import stored_total, tensions
-from ropewalk.mechanics.moving_contact import force_at, link_of, speed_at
+from ropewalk.mechanics.law import tensions
+from ropewalk.mechanics.moving_contact import link_of
+from ropewalk.mechanics.notes import Notes, columns
 from ropewalk.results.frame import MOVES, STICKS, Contacts
 from ropewalk.results.frames import summed
 from ropewalk.solve.hold_forces import coefficient_used
@@ -25,7 +27,6 @@ from ropewalk.solve.start import PreparedRun
 class ManyStates:
     """States at some instants, which come first."""
 
-    each: Sequence[ChainState]
     t: Array  # (instant,) s
     r: Array  # (instant, axis, node) m
     w: Array  # (instant, axis, node) m/s
@@ -37,11 +38,15 @@ class ManyStates:
     work: Array  # (instant, work) J
 
     @staticmethod
-    def of(states: Sequence[ChainState]) -> ManyStates:
-        """Put states together."""
-        names = ("r", "w", "X", "xi", "speed", "moving_load", "hold", "work")
-        arrays = {name: np.stack([getattr(state, name) for state in states]) for name in names}
-        return ManyStates(states, np.array([float(state.t[0]) for state in states]), **arrays)
+    def of(notes: Sequence[Notes], state: ChainState) -> ManyStates:
+        """What has been noted of a state."""
+        t, *others = columns(notes, state)
+        return ManyStates(t[:, 0], *others)
+
+    def at(self, i: int) -> ChainState:
+        """One of them."""
+        others = (self.r, self.w, self.X, self.xi, self.speed, self.moving_load, self.hold, self.work)
+        return ChainState(self.t[i : i + 1], *(array[i] for array in others))
 
     def moving_nodes(self, k: int) -> tuple[Integers, Integers]:
         """Instants at which a node rides with load k, and which."""
@@ -78,7 +83,7 @@ class ManyLinks:
             rate = (along - np.diff(U[:, i : j + 1], axis=1) * length / rest) / rest
             pull = tensions(strands.law[s], strain.ravel()).reshape(strain.shape) + strands.damping[s] * rate
             eps[:, i:j], T[:, i:j], f[:, :, i:j] = strain, pull, pull[:, None] * d / length[:, None]
-            elastic += [stored_total(strands.law[s], strain[q], rest[q]) for q in range(count)]
+            elastic += stored_totals(strands.law[s], strain, rest)
         return ManyLinks(eps, T, f, elastic)
 
 
@@ -142,9 +147,10 @@ def contacts(setting: PreparedRun, states: ManyStates, links: ManyLinks, mean_ho
     seen = Contacts(count, states.xi.shape[1], dim)
     for k in range(states.xi.shape[1]):
         s, on = int(loads.strand[k]), np.flatnonzero(states.moving_load[:, k] != OFF)
-        F = np.array([[force_at(loads, k, t, a) for a in range(dim)] for t in states.t[on]]).reshape(-1, dim)
+        times = np.ascontiguousarray(states.t[on])
+        F = forces_at(loads, k, times, dim)
         seen.hold[on, k], seen.xi[on, k] = 0.0, states.xi[on, k]
-        seen.speed[on, k] = [speed_at(loads, k, t) for t in states.t[on]]
+        seen.speed[on, k] = speeds_at(loads, k, times)
         seen.state[on, k] = np.where(states.speed[on, k] != 0.0, MOVES, STICKS)
         rows, b = states.moving_nodes(k)
         seen.position[rows, k] = states.r[rows, :, b]
@@ -155,7 +161,7 @@ def contacts(setting: PreparedRun, states: ManyStates, links: ManyLinks, mean_ho
         for q, row in enumerate(on.tolist()):
             if states.moving_load[row, k] >= 0:
                 continue
-            i = int(link_of(strands, loads, states.each[row], k))
+            i = int(link_of(strands, loads, states.at(row), k))
             X, r = states.X[row], states.r[row]
             part = (states.xi[row, k] - X[i]) / (X[i + 1] - X[i])
             seen.position[row, k] = (1.0 - part) * r[:, i] + part * r[:, i + 1]

@@ -4,24 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.chains.beginning import initial_state
 from ropewalk.chains.frames import ChainFrameBuilder, layout_of
-from ropewalk.checkpoint import Tree, copied
+from ropewalk.chains.many_frames import ManyStates
+from ropewalk.checkpoint import Tree
 from ropewalk.controllers.assembly import controllers_of
 from ropewalk.controllers.partner import Partner
 from ropewalk.external.cosimulation_master import begun
 from ropewalk.mechanics.bodies import are_weightless
-from ropewalk.mechanics.chain import Array, ChainState
+from ropewalk.mechanics.chain import Array
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.exchanges import external_in
 from ropewalk.results.frame import ENERGY_FORMS, Frame, RunInfo
-from ropewalk.results.frames import Frames
+from ropewalk.results.frames import Frames, NotedInstants
 from ropewalk.results.running import Ending
 from ropewalk.solve.carrier import RopeCarrier
 from ropewalk.solve.choice import Choice, choose, cut_by_damping
@@ -84,6 +84,8 @@ class Chain:
         if carrier is not None:
             carrier.look = self.motion.look
         self._warned, self._parted, self._slipped = False, set[int](), set[int]()
+        self._frame: Frame | None = None
+        self._notes = self.motion.empty_notes(0)
         self.layout = replace(layout_of(setting), external=external_in(scenario))
 
     def get_state(self) -> Tree:
@@ -99,38 +101,50 @@ class Chain:
         self.motion.set_state(tree["motion"])
         self._builder.set_state(tree["frames"])
 
-    def advance(self, i: int) -> Ending | None:
-        """Go on to output instant i."""
-        progress, state = self.progress, self.state
-        if i:
-            self.motion.to(float(self.times[i]))
-        self.run_info.steps = progress.steps
+    def advance(self, i: int, most: int = 1) -> Ending | None:
+        """Go on to output instant i, and to those after it if nobody need look in between."""
+        progress, motion, through = self.progress, self.motion, self._builder.together and self.motion.goes_through
+        times = self.times[i : i + most if i and through else i + 1]
+        self._frame, self._notes = None, motion.empty_notes(times.size if self._builder.together else 0)
+        if i and through:
+            motion.through(times, self._notes)
+        elif i:
+            motion.to(float(times[0]))
+        self.run_info.steps, begins = progress.steps, self.state.t[0] <= 0.0
         if progress.status == RUNNING:
+            if not (i and through):
+                self._note_present()
             return None
+        if progress.status in (END_OF_LINE, MET, STOPPED) and not begins:  # of all others nothing can be trusted
+            self._note_present()
         if progress.status == MET:
-            progress.message = who_met(self.setting, state)
+            progress.message = who_met(self.setting, self.state)
         outcome, advice = progress.ending()
-        return Ending(outcome, f"stopped at t = {state.t[0]:.6g} s: {advice}")
+        return Ending(outcome, f"stopped at t = {self.state.t[0]:.6g} s: {advice}")
 
-    def note(self) -> Frame | tuple[ChainState, bool] | None:
-        """The present frame, or what it is made of and whether the motion goes on; none where nothing of it can be
-        trusted any more."""
-        status, begins = self.progress.status, self.state.t[0] <= 0.0
-        if status == RUNNING or (status in (END_OF_LINE, MET, STOPPED) and not begins):
-            if self._builder.together:
-                return copied(self.state), status == RUNNING
-            frame = self._builder.build(self.state)
-            if status == RUNNING:
-                self._remark(frame)
-            return frame
-        return None
+    def _note_present(self) -> None:
+        """Note the present state, or make its frame."""
+        if self._builder.together:
+            self._notes.add()
+            return
+        self._frame = self._builder.build(self.state)
+        if self.progress.status == RUNNING:
+            self._remark(self._frame)
 
-    def frames(self, notes: Sequence[Any]) -> Frames:
+    def note(self) -> NotedInstants:
+        """The frame of the instant that it has come to, or states at some and whether the motion goes on."""
+        if self._frame is not None:
+            return NotedInstants(1, self._frame)
+        return NotedInstants(self._notes.noted, (self._notes, self.progress.status == RUNNING))
+
+    def frames(self, notes: Sequence[NotedInstants]) -> Frames:
         """The frames of some notes."""
         if not self._builder.together:
-            return Frames.together(notes)
-        frames = self._builder.build_many([state for state, _ in notes])
-        for i in np.flatnonzero([goes_on for _, goes_on in notes] & self._is_odd(frames)).tolist():
+            return Frames.together([noted.of for noted in notes])
+        frames = self._builder.build_many(ManyStates.of([noted.of[0] for noted in notes], self.state))
+        is_odd = self._is_odd(frames)
+        is_odd[-1] &= notes[-1].of[1]  # of an end nothing is remarked
+        for i in np.flatnonzero(is_odd).tolist():
             self._remark(frames[i])
         return frames
 

@@ -98,9 +98,7 @@ class OnSystem(OnCarrier):
 
     def support_forces(self) -> dict[str, Array]:
         """Forces of all supports on their lines, by name, (axis,) N."""
-        note = self._motion.note()
-        assert note is not None
-        reaction = self._motion.frames([note]).of["reaction"][0]
+        reaction = self._motion.frames([self._motion.note_present()]).of["reaction"][0]
         return dict(zip(self._motion.layout.support, reaction, strict=True))
 
     def get_state(self) -> Tree:

@@ -39,6 +39,8 @@ inner: Any = njit(**_common, no_cpython_wrapper=True)
 # counted, which would cost a locked instruction for each array that is handed on and a fifth of the compile time.
 lean: Any = njit(**_common, _nrt=False, fastmath=_fused)
 lean_inner: Any = njit(**_common, _nrt=False, fastmath=_fused, no_cpython_wrapper=True)
+# The same with one rounding for each operation, as NumPy has it.
+exact_inner: Any = njit(**_common, _nrt=False, no_cpython_wrapper=True)
 # Put whole into its caller: arrays are handed on as ten numbers each, a dozen of them cost as much as twenty nodes.
 inlined: Any = njit(**{**_common, "forceinline": True}, _nrt=False, fastmath=_fused, no_cpython_wrapper=True)
 # Sums may be re-ordered so that loops with a sum vectorise; nothing may rely on the order.

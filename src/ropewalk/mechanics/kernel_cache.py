@@ -179,9 +179,14 @@ class _Files(IndexDataCacheFile):
             stream.write(hashlib.sha256(data).digest() + data)
 
     def _read(self, path: str) -> Any:
-        """What has been written; None of what is not there or not as it was."""
+        """What has been written; None of what is not there or as it was, or needs modules that have gone."""
         data = _unsealed(Path(path))
-        return None if data is None else pickle.loads(data)
+        if data is None:
+            return None
+        try:
+            return pickle.loads(data)
+        except Exception:  # whatever those raise that are asked for by name
+            return None
 
 
 def _unsealed(path: Path) -> bytes | None:

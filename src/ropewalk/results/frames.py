@@ -9,7 +9,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,7 +17,9 @@ from ropewalk.results.frame import Array, Frame
 
 NAMES = tuple(field.name for field in fields(Frame) if field.name != "path")
 WAIT = 0.1  # s, the longest that frames wait for others: a run that is killed loses no more for it
-SPACE = 16_000_000  # bytes, about as much as they take while they wait
+SPACE = 2_000_000  # bytes, about as much as they take while they wait; of more, arrays leave the caches
+_GROWTH = 8  # times as many instants as ever before are noted without a pause, at most
+_QUICK = 1e-6  # s: clocks are no finer
 
 
 @dataclass(frozen=True)
@@ -56,6 +58,13 @@ def summed(values: Array) -> Array:
     return np.asarray(np.ascontiguousarray(values).reshape(len(values), -1).sum(axis=1))
 
 
+class NotedInstants(NamedTuple):
+    """What a motion has noted of output instants that it has come to without a pause."""
+
+    number: int
+    of: Any  # each engine's own
+
+
 class Waiting:
     """What has been noted of instants whose frames are still to be made."""
 
@@ -63,17 +72,31 @@ class Waiting:
         self._most = max(1, SPACE // max(each, 1))
         self._since = -np.inf  # the first frame does not wait
         self._notes = list[Any]()
+        self._count = 0
+        self._begun, self._largest = 0.0, 1  # when they were asked for, and the most at once so far
+        self._each = max(WAIT, _QUICK)  # s, that the last of them took for one
 
-    def append(self, note: Any) -> bool:
-        """Keep a note; says whether it is time to make frames."""
-        self._notes.append(note)
-        return len(self._notes) >= self._most or clock.monotonic() - self._since >= WAIT
+    def ask(self) -> int:
+        """How many instants may be noted without a pause: as many as there is time and memory for."""
+        self._begun = clock.monotonic()
+        left = WAIT - (self._begun - self._since)
+        in_time = int(min(max(left / self._each, 1.0), _GROWTH * self._largest))
+        return max(1, min(in_time, self._most - self._count))
+
+    def append(self, noted: NotedInstants, beside: Any) -> bool:
+        """Keep notes, and what belongs to them; says whether it is time to make frames."""
+        now = clock.monotonic()
+        self._largest = max(self._largest, noted.number)
+        self._each = max(now - self._begun, _QUICK) / max(noted.number, 1)
+        self._notes.append((noted, beside))
+        self._count += noted.number
+        return self._count >= self._most or now + self._each > self._since + WAIT
 
     def taken(self) -> list[Any]:
         """All that is waiting, which does so no longer."""
-        notes, self._notes, self._since = self._notes, [], clock.monotonic()
+        notes, self._notes, self._count, self._since = self._notes, [], 0, clock.monotonic()
         return notes
 
     def __len__(self) -> int:
         """How many instants are waiting."""
-        return len(self._notes)
+        return self._count

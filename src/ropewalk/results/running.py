@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from ropewalk.external.cosimulation_master import CosimulationMaster, begun
 from ropewalk.results.contract import numbers
 from ropewalk.results.exchanges import exchanged, exchanging
 from ropewalk.results.frame import Array, Frame, Layout, RunInfo
-from ropewalk.results.frames import Frames, Waiting
+from ropewalk.results.frames import Frames, NotedInstants, Waiting
 
 
 class Ending(NamedTuple):
@@ -27,7 +27,7 @@ class Ending(NamedTuple):
 
 
 class MotionEngine(Protocol):
-    """What computes a motion: it goes from one output instant to the next and can be looked at there."""
+    """What computes a motion: it goes from output instant to output instant and notes what frames are made of."""
 
     @property
     def layout(self) -> Layout:
@@ -49,13 +49,24 @@ class MotionEngine(Protocol):
     def together(self) -> bool:
         """Whether what has been noted may wait to be made frames together with what comes."""
 
-    def advance(self, i: int) -> Ending | None:
-        """Go on to output instant i, from that before it; why it has ended, if it has."""
+    def advance(self, i: int, most: int = 1) -> Ending | None:
+        """Go on to output instant i, from that before it, and on to those that follow if nobody need look in between.
 
-    def note(self) -> Any:
-        """What the present frame will be made of, unchanged by what comes; maybe None of what has broken down."""
+        Args:
+            i: number of the instant.
+            most: how many it may be. What comes of it does not depend on that.
 
-    def frames(self, notes: Sequence[Any]) -> Frames:
+        Returns:
+            Why the motion has ended, if it has.
+        """
+
+    def note(self) -> NotedInstants:
+        """What frames of the instants that `advance` came to will be made of, unchanged by what comes.
+
+        They are none where a motion has broken down at once.
+        """
+
+    def frames(self, notes: Sequence[NotedInstants]) -> Frames:
         """The frames of some notes; the account is told what one should know of them."""
 
     def get_state(self) -> Tree:
@@ -76,7 +87,7 @@ class TimeHistory:
 
     def __init__(self, engine: MotionEngine, run_info: RunInfo, past: Tree | None = None) -> None:
         self.engine, self.run_info = engine, run_info
-        self._taken, self._last = 0, None
+        self._taken, self._last, self._is_between = 0, None, False
         if past is not None:
             with begun(engine.cosimulation):
                 self._taken = past["frames"]
@@ -93,14 +104,18 @@ class TimeHistory:
         """How many frames it will have."""
         return int(self.engine.times.size)
 
-    def get_state(self) -> Tree:
+    def get_state(self) -> Tree | None:
         """All that changes; of an engine that looks ahead, at the end, that before the last step.
+
+        None where something was raised on the way: what has changed by then belongs to no frame.
 
         Raises:
             RopewalkError: a load is an external model that gives no state.
         """
         if self._last is not None:
             return self._last
+        if self._is_between:
+            return None
         return {"frames": self._taken, "engine": self.engine.get_state(), "account": self.run_info.get_state()}
 
     def blocks(self) -> Iterator[Frames]:
@@ -113,28 +128,39 @@ class TimeHistory:
         """
         engine, run_info, waiting = self.engine, self.run_info, Waiting(numbers(self.layout))
         with exchanging(engine.cosimulation, run_info):
-            for i in range(self._taken, self.total):
-                if engine.looks_ahead and i == self.total - 1:
+            while (i := self._taken) < self.total:
+                last = engine.looks_ahead and i == self.total - 1
+                if last:
                     if waiting:
                         yield self._made(waiting.taken())
                     with suppress(RopewalkError):  # a model that gives no state
                         self._last = self.get_state()
+                left = self.total - i - (engine.looks_ahead and not last)
+                most = 1 if engine.cosimulation else min(waiting.ask(), left)
                 try:
-                    ending = engine.advance(i)
+                    ending = engine.advance(i, most)
                 except BaseException:  # what came before is there all the same
+                    self._is_between = True
+                    self._note(waiting)
                     if waiting:
                         yield self._made(waiting.taken())
                     raise
                 if ending is not None:
                     run_info.outcome, run_info.advice = ending
-                self._taken, note = i + 1, engine.note()
-                is_due = note is not None and waiting.append((note, exchanged(engine.cosimulation, run_info)))
+                is_due = self._note(waiting)
+                self._taken = max(self._taken, i + 1)  # of what has broken down nothing may be noted
                 if waiting and (is_due or not engine.together or ending is not None or self._taken == self.total):
                     yield self._made(waiting.taken())
                 if ending is not None:
                     return
 
-    def _made(self, notes: Sequence[tuple[Any, Mapping[str, Array]]]) -> Frames:
+    def _note(self, waiting: Waiting) -> bool:
+        """Let what the engine has noted wait for its frames; says whether it is time to make these."""
+        noted = self.engine.note()
+        self._taken += noted.number
+        return bool(noted.number) and waiting.append(noted, exchanged(self.engine.cosimulation, self.run_info))
+
+    def _made(self, notes: Sequence[tuple[NotedInstants, Mapping[str, Array]]]) -> Frames:
         """The frames of what has been noted."""
         frames = self.engine.frames([note for note, _ in notes])
         return Frames(

@@ -30,6 +30,8 @@ COMPRESSED = 0.6
 # The same once more for masses: they pass nodes, steps are cut there and at outputs, and a chain whose steps vary in a
 # rhythm is unstable before its limit (docs/notes/moving-mass.md).
 SAFETY_WITH_MASSES = 0.75
+# Strain below which a link is in compression: rounding.
+PUSHES = 1e-9
 # Drag times step up to which the sixth-order method is used: it also goes backwards in time, where drag drives.
 DRAGGED = 0.1
 # Links beside a riding node are as short as half a link: the largest frequency and damping rate that this can give.
@@ -156,7 +158,7 @@ def is_compressed(strands: Strands, r: Array, X: Array, extremes: Array | None =
         extremes: what `strained` gives, if it is known.
     """
     extremes = strained(strands.first, strands.links, strands.law, r, X) if extremes is None else extremes
-    return any(least < -1e-9 * tangent(p, 0.0) for least, p in zip(extremes[:, TENSION], strands.law, strict=True))
+    return any(least < -PUSHES * tangent(p, 0.0) for least, p in zip(extremes[:, TENSION], strands.law, strict=True))
 
 
 def verlet_step(limits: Bounds) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,8 +15,19 @@ from ropewalk.external.cosimulation_master import TravelEndedError
 from ropewalk.mechanics.bodies import Bodies
 from ropewalk.mechanics.chain import Array, ChainBuffers, ChainState, Integers, Loads, Strands, Supports
 from ropewalk.mechanics.compiled import entry_of
+from ropewalk.mechanics.law import tangent
+from ropewalk.mechanics.notes import STEPS, Notes, numbers_of
 from ropewalk.mechanics.portions import portion
-from ropewalk.solve.choice import RKN6_LIMIT, SAFETY_WITH_MASSES, Bounds, Choice, bounds, is_compressed, verlet_step
+from ropewalk.solve.choice import (
+    PUSHES,
+    RKN6_LIMIT,
+    SAFETY_WITH_MASSES,
+    Bounds,
+    Choice,
+    bounds,
+    is_compressed,
+    verlet_step,
+)
 from ropewalk.solve.composition import RKN6, VERLET
 from ropewalk.solve.ends import ends_of
 from ropewalk.solve.splitting import (
@@ -27,9 +38,9 @@ from ropewalk.solve.splitting import (
     NOT_FINITE,
     RUNNING,
     TOO_MANY_STEPS,
-    advance,
 )
-from ropewalk.solve.strained import LENGTH, REST, strained
+from ropewalk.solve.stops import LONGEST_STRETCH, LOOK, NEXT_TO_NOTHING, Stops, advance
+from ropewalk.solve.strained import LENGTH, REST, STIFFNESS, strained
 
 if TYPE_CHECKING:
     from ropewalk.solve.collocation import Workspace
@@ -38,12 +49,8 @@ if TYPE_CHECKING:
 _EFFORT = {"verlet": 1, "rkn6": 11, "implicit": 100}
 # A run that needs more steps than this between two outputs will not end within a day.
 MOST_STEPS = 10**11
-# No law holds so far: a link that is stretched to this many times its length has torn.
-LONGEST_STRETCH = 100.0
-
-
-# Part of the time by which instants that are meant to be the same differ.
-NEXT_TO_NOTHING = 1e-14
+# Times that the largest frequency grows, from which on the step follows it.
+_STIFFENED = 1.05
 
 # So often a guide may be asked without a step in between.
 MOST_QUESTIONS = 100
@@ -131,7 +138,9 @@ class ChainMotion:
         self._corners = np.unique(np.concatenate(knots))
         self._step, self._idle = choice.step, 0
         self._entries: list[Callable[..., tuple[int, int]]] = []
-        self._limits = self._bounds()
+        self._limits, self._one_stop = self._bounds(), Stops.to(0.0)
+        self._calm, self._pushed = np.zeros(strands.h.size), np.array([-PUSHES * tangent(p, 0.0) for p in strands.law])
+        self._calm_down(_STIFFENED * (1.0 - 1e-9) * self._fastest(self._extremes()[:, STIFFNESS]))
 
     def to(self, time: float) -> None:
         """Go on to a time in s; the progress is no longer RUNNING where that fails."""
@@ -154,11 +163,51 @@ class ChainMotion:
                         )
                 if progress.status != RUNNING:
                     return
-        extremes = strained(self.strands.first, self.strands.links, self.strands.law, state.r, state.X)
+        extremes = self._extremes()
         if not (extremes[:, LENGTH] < LONGEST_STRETCH * extremes[:, REST]).all():  # or not a number
             progress.status = NOT_FINITE  # only a motion without bounds can have stretched a link so far
             return
         self._shorten(extremes)
+
+    def empty_notes(self, most: int) -> Notes:
+        """Room for notes of some instants, each of all arrays of the state."""
+        return Notes.empty(numbers_of(self.state), most)
+
+    @property
+    def goes_through(self) -> bool:
+        """Whether nobody need look at it between output instants."""
+        return not self.controllers and self._contacts is None and self.choice.method != "implicit"
+
+    def through(self, times: Array, notes: Notes) -> None:
+        """Go on to output instants in s, one after the other, and note each; to fewer where one takes long.
+
+        Results do not depend on how many they are.
+        """
+        state, progress = self.state, self.progress
+        corners = self._corners[(self._corners > state.t[0]) & (self._corners < times[-1])]
+        instants = np.union1d(corners, times) if corners.size else times
+        is_output = np.isin(instants, times).astype(np.int64)
+        extremes, before = np.empty((self.strands.h.size, 4)), notes.gone[STEPS]
+        longest = _portion(self.choice, state)
+        try:
+            while (done := notes.noted) < times.size:
+                left = slice(int(np.searchsorted(instants, times[done - 1], side="right")) if done else 0, None)
+                finely = self.choice.step * self.choice.compressed < self._step
+                pushed = self._pushed if finely else np.full_like(self._pushed, -np.inf)
+                stops = Stops(instants[left], is_output[left], self._calm, pushed, extremes, notes)
+                progress.status, _ = self._call(longest, stops)
+                if progress.status == LOOK:
+                    progress.status = RUNNING
+                    self._shorten(extremes)
+                elif progress.status != RUNNING:
+                    break
+        finally:
+            progress.steps += int(notes.gone[STEPS] - before)
+        self._idle = 0
+        if progress.status == TOO_MANY_STEPS:
+            self.to(float(times[notes.noted]))
+            if progress.status == RUNNING:
+                notes.add()
 
     def get_state(self) -> Tree:
         """All that changes."""
@@ -189,10 +238,27 @@ class ChainMotion:
         some = bool(loads.strand.size)
         return bounds(self.strands, state.r, state.X, some, self.supports, loads, self.bodies, extremes)
 
+    def _extremes(self) -> Array:
+        return np.asarray(
+            strained(self.strands.first, self.strands.links, self.strands.law, self.state.r, self.state.X)
+        )  # fmt: skip
+
+    def _fastest(self, stiffness: Array) -> float:
+        """Largest frequency of any line in rad/s, but for a factor that is the same for all and always."""
+        strands, swings = self.strands, self.strands.links > 1
+        return float((np.sqrt(np.maximum(stiffness, 0.0) / strands.rho) / strands.h)[swings].max(initial=0.0))
+
+    def _calm_down(self, frequency: float) -> None:
+        """Note that the step stays as it is up to a frequency of the lines."""
+        strands = self.strands
+        own = np.where(strands.links > 1, strands.rho * (strands.h * frequency) ** 2, np.inf)
+        np.maximum(self._calm, own, out=self._calm)
+
     def _shorten(self, extremes: Array) -> None:
         """Keep the step in proportion where the line has stiffened, and small once it is in compression."""
         choice, now = self.choice, self._bounds(extremes)
-        if now.frequency > 1.05 * self._limits.frequency and choice.method != "implicit":
+        self._calm_down((1.0 - 1e-9) * self._fastest(extremes[:, STIFFNESS]))
+        if now.frequency > _STIFFENED * self._limits.frequency and choice.method != "implicit":
             own = RKN6_LIMIT / now.frequency
             if choice.method == "verlet":
                 own = verlet_step(now) * (SAFETY_WITH_MASSES if self.bodies is not None else 1.0)
@@ -213,7 +279,7 @@ class ChainMotion:
     def _advance(
         self, loads: Loads, state: ChainState, buffers: ChainBuffers | Workspace, bodies: Bodies | None, stop: float
     ) -> tuple[int, int]:
-        status, steps, most = TOO_MANY_STEPS, 0, portion(state.X.size, _EFFORT[self.choice.method])
+        status, steps, most = TOO_MANY_STEPS, 0, _portion(self.choice, state)
         while status == TOO_MANY_STEPS and steps < MOST_STEPS:
             status, taken = self._advance_by(most, loads, state, buffers, bodies, stop)
             steps += taken
@@ -234,10 +300,15 @@ class ChainMotion:
 
             found = advance_implicit(self.strands, loads, state, buffers, stop, self.accuracy, self._step, most)
             return int(found[0]), int(found[1])
+        self._one_stop.time[0] = stop
+        return self._call(most, self._one_stop, loads, state, buffers, bodies)
+
+    def _call(self, most: int, stops: Stops, *of: Any) -> tuple[int, int]:
+        """Call the kernel of the motion: for its own state, or for other loads, state, buffers and bodies."""
+        loads, state, buffers, bodies = of or (self.loads, self.state, self._buffers, self.bodies)
         kicks, drifts = RKN6 if self.choice.method == "rkn6" else VERLET
         arguments = (
-            self.strands, loads, state, buffers, kicks, drifts, float(stop), float(self._step), most, self._ends,
-            bodies,
+            self.strands, loads, state, buffers, kicks, drifts, stops, float(self._step), most, self._ends, bodies,
         )  # fmt: skip
         if not self._entries:
             self._entries.append(entry_of(advance, arguments))
@@ -269,6 +340,10 @@ def move(
         yield state
         if progress.status != RUNNING:
             return
+
+
+def _portion(choice: Choice, state: ChainState) -> int:
+    return portion(state.X.size, _EFFORT[choice.method])
 
 
 def _ask(controllers: Sequence[Controller], progress: Progress) -> int:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import CONTACT, FRICTIONLESS, LINE_DAMPING, LOAD_WORK, OFF, SHARED
-from ropewalk.mechanics.compiled import inlined, lean, lean_inner
+from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.mechanics.link import add_link_forces_again, stretch
 from ropewalk.mechanics.moving_contact import (
     ARRIVED,
@@ -261,8 +261,8 @@ def _add_internal_forces(strands, loads, state, buffers, kick):
     return lost
 
 
-@lean
-def advance(strands, loads, state, buffers, kicks, drifts, until, longest, most, ends=None, bodies=None):
+@lean_inner
+def advance_to(strands, loads, state, buffers, kicks, drifts, until, longest, most, ends=None, bodies=None):
     """Move `state` to the time `until`.
 
     Args:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.checkpoint import Tree
+from ropewalk.mechanics.notes import Notes, columns
 from ropewalk.results.audit import Audit
 from ropewalk.results.frames import summed
 from ropewalk.wires.equilibrium import WirePotential
@@ -56,16 +57,25 @@ class Then(NamedTuple):
 
     @staticmethod
     def of(motion: LargeMotion | SmallMotion) -> Then:
-        """Copies of what is known now."""
+        """Copies of what is known now, at one instant."""
         stepping = motion.stepping
         own = (stepping.q, stepping.last, stepping.here, stepping.before, stepping.work, motion.holders.moved)
-        return Then._make([np.array(motion.both), *(array.copy() for array in own), motion.failed[:, 0] < np.inf])
+        copies = (array[None].copy() for array in own)
+        return Then._make([np.array(motion.both)[None], *copies, motion.failed[None, :, 0] < np.inf])
+
+    @staticmethod
+    def noted(motion: SmallMotion, both: Array, notes: Notes) -> Then:
+        """What has been noted on the way, see `SmallMotion.through`."""
+        *own, failed = columns([notes], motion.sources)
+        gone = np.empty(failed.shape[:2], dtype=np.bool_)
+        gone[:, motion.springs.number] = failed[:, :, 0] < np.inf
+        return Then._make([both, *own, gone])
 
     @staticmethod
     def together(thens: Sequence[Then]) -> Then:
         """The same of several instants."""
-        columns: Any = zip(*thens, strict=True)
-        return Then(*(np.stack(column) for column in columns))
+        each: Any = zip(*thens, strict=True)
+        return Then(*(np.concatenate(own) for own in each))
 
 
 class Energies:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,27 +28,37 @@ _NOTHING = 1e-100  # m: small motion begins with a little more than nothing
 
 
 class WireNote(NamedTuple):
-    """What a frame is made of, unchanged by what comes; of several instants, with these in front of all."""
+    """What frames of some instants, which come first, are made of, unchanged by what comes."""
 
-    t: Array  # () s
+    t: Array  # (instant,) s
     then: Then
-    where: Integers  # (contact,) as in `StepInputs`
-    station: Array  # (2, contact) m, now and a sample later
-    force: Array  # (contact,) N, of the step that follows, as are heights, ties and holds
-    height: Array  # (contact,) m
-    tie: Array  # (tie,) N
-    hold: Array  # (hold, 3) N
-    stations: Array  # (sample, contact) m, since the frame before, as is what was recorded
+    where: Integers  # (instant, contact) as in `StepInputs`
+    station: Array  # (instant, 2, contact) m, now and a sample later
+    force: Array  # (instant, contact) N, of the step that follows, as are heights, ties and holds
+    height: Array  # (instant, contact) m
+    tie: Array  # (instant, tie) N
+    hold: Array  # (instant, hold, 3) N
+    stations: Array  # (instant, sample, contact) m, since the frame before, as is what was recorded
     recorded: tuple[Array, Array, Array, Array]  # forces, heights, ties, watched points
 
     @staticmethod
-    def of(t: float, then: Then, inputs: StepInputs, now: Record, stations: Array, before: Record) -> WireNote:
-        """What is known at t in s, with what comes next and what came before."""
-        later = min(1, inputs.station.shape[0] - 1)
+    def of(t: Array, then: Then, inputs: StepInputs, now: Record, stations: Array, before: Record) -> WireNote:
+        """What is known at t in s, (instant,), with what comes next and what came before, instants first."""
+        later = min(1, inputs.station.shape[1] - 1)
         return WireNote(
-            np.array(t), then, inputs.where[0], inputs.station[[0, later]], now.force[0], now.height[0], now.tie[0],
-            now.hold[0], stations, (before.force, before.height, before.tie, before.watched),
+            t, then, inputs.where[:, 0], inputs.station[:, [0, later]], now.force[:, 0], now.height[:, 0],
+            now.tie[:, 0], now.hold[:, 0], stations, (before.force, before.height, before.tie, before.watched),
         )  # fmt: skip
+
+    @staticmethod
+    def together(notes: Sequence[WireNote]) -> WireNote:
+        """The same of several notes, one after the other."""
+        if len(notes) == 1:
+            return notes[0]
+        t, thens, *others, recorded = zip(*notes, strict=True)
+        rest: Any = (np.concatenate(own) for own in others)
+        before = tuple(np.concatenate(own) for own in zip(*recorded, strict=True))
+        return WireNote._make([np.concatenate(t), Then.together(thens), *rest, before])
 
 
 class Pictures:
@@ -93,11 +103,7 @@ class Pictures:
 
     def build(self, notes: Sequence[WireNote]) -> Frames:
         """The frames of some notes."""
-        *early, recorded = zip(*notes, strict=True)
-        t, thens, *values = early
-        then = Then.together(thens)
-        where, station, force, height, tie, hold, stations = (np.stack(each) for each in values)
-        before = [np.stack(each) for each in zip(*recorded, strict=True)]
+        t, then, where, station, force, height, tie, hold, stations, before = WireNote.together(notes)
         motion, lifts = self.motion, self.moving_loads.lifts
         r, v = motion.seen(then.both)
         displayed = r if self._bow is None else r + np.array([[0.0], [1.0], [0.0]]) * self._bow
@@ -121,7 +127,7 @@ class Pictures:
             "tie_force": tie, "sampled_station": stations, "sampled_force": before[0], "sampled_height": before[1],
             "sampled_tie_force": before[2] + motion.tie_at_rest, "sampled_uplift": watched,
         }  # fmt: skip
-        return Frames(np.array(t), of)
+        return Frames(t, of)
 
     def _contacts(
         self, r: Array, tension: Array, on: Array, station: Array, force: Array, height: Array, in_air: Array

@@ -15,7 +15,7 @@ from ropewalk.external.cosimulation_master import CosimulationMaster, TravelEnde
 from ropewalk.mechanics.portions import portion
 from ropewalk.model.run import common_interval
 from ropewalk.results.frame import MEAN, OFF_LINE, Frame, Layout, RunInfo
-from ropewalk.results.frames import Frames
+from ropewalk.results.frames import Frames, NotedInstants
 from ropewalk.results.running import Ending
 from ropewalk.wires.bearing import at_rest_together
 from ropewalk.wires.beginning import along_moved, on_moved, small_under_loads
@@ -160,7 +160,7 @@ class Wires:
         self._before = Record(*(np.full_like(array, np.nan) for array in self._nothing))
         self._now: WireNote | None = None
         self._escaped = _ESCAPED * max(wire.length for wire in task.plan.wires)  # m
-        self._failed = False
+        self._failed, self._one_by_one = False, 0  # the instant before which none are gone through
 
     def get_state(self) -> Tree:
         """All that changes.
@@ -284,8 +284,15 @@ class Wires:
         external = tuple(partner.name for partner in self.cosimulation)
         return layout_of(self.task, self.mesh, external=external, sample=sample)
 
-    def advance(self, i: int) -> Ending | None:
-        """Look at output instant i, and go on to the next one: forces at an instant are those of the step after it."""
+    def advance(self, i: int, most: int = 1) -> Ending | None:
+        """Look at output instant i, and go on to the next one: forces at an instant are those of the step after it.
+
+        The same for those that follow, if nobody need look in between.
+        """
+        self._now = None
+        count = self._count_through(i, most)
+        if count > 1 and self._go_through(i, count):
+            return None
         t, final = float(self.times[i]), i == self.times.size - 1
         inputs, then, failed = self._inputs_from(i), Then.of(self.motion), self.motion.failed.copy()
         try:
@@ -293,16 +300,56 @@ class Wires:
         except RopewalkError as error:
             if not i:
                 raise
-            self._now, self._failed = WireNote.of(t, then, inputs, self._nothing, self._stations, self._before), True
+            self._failed = True
+            self._now = self._noted(np.array([t]), then, inputs.together(), self._nothing.together())
             outcome = "travel ended" if isinstance(error, TravelEndedError) else "load failed"
             return Ending(outcome, f"stopped after t = {t:.6g} s: {error}")
         self._tell_of_failures(failed)
-        self._now = WireNote.of(t, then, inputs, record, self._stations, self._before)
         on = np.where(inputs.where[:-1] == ON_WIRE, inputs.station[:-1], np.nan)
+        self._now = self._noted(np.array([t]), then, inputs.together(), record.together())
         self._stations = _padded(on, self.rows)
         self._before = Record(*(_padded(each, self.rows) for each in record))
         self.run_info.steps += 0 if final else on.shape[0] * self.steps
         return None if self.is_sane() else Ending("diverged", self._advice(t))
+
+    def _count_through(self, i: int, most: int) -> int:
+        """How many intervals of samples lie ahead that need not be looked at one by one."""
+        small = isinstance(self.motion, SmallMotion) and not np.isfinite(self.motion.window) and not self._partners
+        if i < self._one_by_one or not small or self.rows > portion(self.mesh.nodes, self.steps):
+            return 1
+        ahead = self._counts[i : i + min(most, self.times.size - 1 - i)]
+        return next((k for k, rows in enumerate(ahead) if rows != self.rows), len(ahead))
+
+    def _go_through(self, i: int, count: int) -> bool:
+        """Look at some output instants, and go on to that after the last of them.
+
+        Returns:
+            Whether the motion has come there; if it has grown beyond bounds, it is where it was, to be looked at.
+        """
+        motion, times, failed = self.motion, self.times[i : i + count], self.motion.failed.copy()
+        assert isinstance(motion, SmallMotion)
+        before, instants = motion.get_state(), times[:, None] + self.sample * np.arange(self.rows + 1.0)
+        inputs = inputs_of(self.task.plan, self.task.prescribed_motions, instants.ravel()).together(count)
+        both, notes = np.empty((count, 2, self.mesh.nodes)), motion.empty_notes(count)
+        record = motion.through(inputs, self.steps, both, notes)
+        if not self._are_sane(motion, np.concatenate([both[1:, 0], motion.both[0][None]])):
+            motion.set_state(before)
+            self._one_by_one = i + count
+            return False
+        self._tell_of_failures(failed)
+        self._now = self._noted(times, Then.noted(motion, both, notes), inputs, record)
+        self.run_info.steps += count * self.rows * self.steps
+        return True
+
+    def _noted(self, t: Array, then: Then, inputs: StepInputs, record: Record) -> WireNote:
+        """Notes of some instants, which come first, at t in s, with what has been recorded since the one before."""
+        stations, before = self._stations[None], self._before.together()
+        if t.size > 1:  # all of them have as many rows
+            on = np.where(inputs.where[:, :-1] == ON_WIRE, inputs.station[:, :-1], np.nan)
+            stations = np.concatenate([stations, on[:-1]])
+            before = Record(*(np.concatenate([old, new[:-1]]) for old, new in zip(before, record, strict=True)))
+            self._stations, self._before = on[-1].copy(), Record(*(array[-1].copy() for array in record))
+        return WireNote.of(t, then, inputs, record, stations, before)
 
     def _tell_of_failures(self, before: Array) -> None:
         """Say which ties have failed since they were as before."""
@@ -311,13 +358,13 @@ class Wires:
             t, force = now[i]
             self.run_info.warnings.append(f"at t = {t:.4g} s {self.task.plan.ties[i].name} failed under {force:.4g} N")
 
-    def note(self) -> WireNote | None:
-        """What the frame of the instant looked at last will be made of."""
-        return self._now
+    def note(self) -> NotedInstants:
+        """What the frames of the instants looked at last will be made of."""
+        return NotedInstants(0, None) if self._now is None else NotedInstants(self._now.t.size, self._now)
 
-    def frames(self, notes: Sequence[WireNote]) -> Frames:
+    def frames(self, notes: Sequence[NotedInstants]) -> Frames:
         """The frames of some notes."""
-        frames = self._pictures.build(notes)
+        frames = self._pictures.build([noted.of for noted in notes])
         self._doubt_leaving(frames)
         for i in range(len(frames) - self._failed if isinstance(self.motion, LargeMotion) else 0):
             self._remark(frames[i])
@@ -360,6 +407,11 @@ class Wires:
         """Whether no node has got further away than a wire that is held can."""
         moved = self.motion.position - self._at_rest
         return bool(np.abs(moved).max() < self._escaped)  # and not NaN
+
+    def _are_sane(self, motion: SmallMotion, u: Array) -> bool:
+        """The same of small motion at some instants, whose displacements are (instant, node) m."""
+        aside = float(np.abs(motion.rest.position[:2] - self._at_rest[:2]).max(initial=0.0))
+        return bool(max(float(np.abs(motion.level + u - self._at_rest[2]).max()), aside) < self._escaped)
 
     def _advice(self, t: float) -> str:
         what = f"after t = {t:.6g} s the motion grew beyond all bounds; "

@@ -11,7 +11,8 @@ from collections.abc import Callable
 import numpy as np
 
 from ropewalk.checkpoint import Arrays, Changing, arrays_of
-from ropewalk.mechanics.compiled import entry_of, inlined, lean
+from ropewalk.mechanics.compiled import entry_of, inlined, lean, lean_inner
+from ropewalk.mechanics.notes import Notes, numbers_of, write_note
 from ropewalk.wires.damping import EVERY
 from ropewalk.wires.mesh import Mesh, MovingLoads, Places, places_of
 from ropewalk.wires.moving_loads import (
@@ -60,8 +61,33 @@ _HALF_PAGE = 256  # numbers of 8 bytes
 
 @lean
 def advance(strands, stencil, springs, holders, window, watched, moving_loads, stepping, level, now, other, buffers,
-            inputs, record,
-            steps, sweeps, w):  # fmt: skip
+            inputs, record, steps, sweeps, both, notes, w):  # fmt: skip
+    """Go on by all rows of the record, of one output instant after the other, which come first in inputs and record.
+
+    Args:
+        both: (instant, 2, node) m, takes displacements at each instant and a step before; without instants, nothing is
+            noted.
+        notes: of the rest.
+    """
+    rows = record.force.shape[1] * steps
+    for i in range(record.force.shape[0]):
+        if i < both.shape[0]:
+            for j in range(now.size):
+                both[i, 0, j], both[i, 1, j] = now[j], other[j]
+            write_note(notes)
+        given = StepInputs(inputs.station[i], inputs.where[i], inputs.rough[i], inputs.given[i], inputs.push[i],
+                           inputs.time[i], inputs.aside[i])  # fmt: skip
+        found = Record(record.force[i], record.height[i], record.body[i], record.tie[i], record.hold[i],
+                       record.watched[i])  # fmt: skip
+        _advance_rows(strands, stencil, springs, holders, window, watched, moving_loads, stepping, level, now, other,
+                      buffers, given, found, steps, sweeps, w)  # fmt: skip
+        if rows % 2 == 1:
+            now, other = other, now
+
+
+@lean_inner
+def _advance_rows(strands, stencil, springs, holders, window, watched, moving_loads, stepping, level, now, other,
+                  buffers, inputs, record, steps, sweeps, w):  # fmt: skip
     """Go on by all rows of the record.
 
     Args:
@@ -315,17 +341,44 @@ class SmallMotion(Changing):
 
     def go(self, inputs: StepInputs, steps: int = 1) -> Record:
         """Go on by the rows of the drive but the last, `steps` steps each."""
-        rows, plan = inputs.station.shape[0] - 1, self.mesh.plan
-        record = Record.of(rows, self.moving_loads, len(plan.ties), len(plan.holds), self.watched)
+        return self._go(
+            inputs.together(), steps, self._window(inputs), np.zeros((0, 2, 0)), self.empty_notes(0)
+        ).first()
+
+    def through(self, inputs: StepInputs, steps: int, both: Array, notes: Notes) -> Record:
+        """Go on by the rows of the drive but the last, of one output instant after the other, which come first.
+
+        Args:
+            inputs: with the instants before all rows; the window is all that there is.
+            steps: in each row.
+            both: (instant, 2, node) m, takes displacements at each instant and a step before.
+            notes: `empty_notes` for the rest.
+        """
+        return self._go(inputs, steps, self._whole, both, notes)
+
+    @property
+    def sources(self) -> list[Array]:
+        """What is noted at an instant besides displacements, in the order of `Then`."""
+        stepping = self.stepping
+        own = [stepping.q, stepping.last, stepping.here, stepping.before, stepping.work]
+        return [*own, self.holders.moved, self.springs.failed]
+
+    def empty_notes(self, most: int) -> Notes:
+        """Room for notes of some instants."""
+        return Notes.empty(numbers_of(self.sources), most)
+
+    def _go(self, inputs: StepInputs, steps: int, window: WireWindow, both: Array, notes: Notes) -> Record:
+        instants, rows, plan = inputs.time.shape[0], inputs.time.shape[1] - 1, self.mesh.plan
+        record = Record.of(rows, self.moving_loads, len(plan.ties), len(plan.holds), self.watched, instants)
         arguments = (
-            self.mesh.strands, self.stencil, self.springs, self.holders, self._window(inputs), self._watched,
-            self.moving_loads, self.stepping, self.level, *self._u, self._buffers, inputs, record, steps, self._sweeps,
+            self.mesh.strands, self.stencil, self.springs, self.holders, window, self._watched, self.moving_loads,
+            self.stepping, self.level, *self._u, self._buffers, inputs, record, steps, self._sweeps, both, notes,
             self._w,
         )  # fmt: skip
         if self._advance is None:
             self._advance = entry_of(advance, arguments)
         self._advance(*arguments)
-        if (rows * steps) % 2:
+        if (instants * rows * steps) % 2:
             self._u.reverse()
         return record.turned()
 

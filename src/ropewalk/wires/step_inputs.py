@@ -27,6 +27,12 @@ class StepInputs(NamedTuple):
         """Some of the rows, and that after them."""
         return StepInputs(*(array[begin : end + 1] for array in self))  # type: ignore[arg-type]
 
+    def together(self, instants: int = 1) -> StepInputs:
+        """The same with a number of output instants first, each of as many rows."""
+        rows = self.time.size // instants
+        parts = (array.reshape(instants, rows, *array.shape[1:]) for array in self)
+        return StepInputs(*parts)  # type: ignore[arg-type]
+
 
 class Record(NamedTuple):
     """What is found at each row."""
@@ -39,15 +45,32 @@ class Record(NamedTuple):
     watched: Array  # (row, point) m, height of watched points over rest
 
     @staticmethod
-    def of(rows: int, moving_loads: MovingLoads, ties: int, holds: int, watched: Places) -> Record:
-        """Room for a number of rows, which come last where there is an entry for each tie, hold or watched point."""
+    def of(
+        rows: int, moving_loads: MovingLoads, ties: int, holds: int, watched: Places, instants: int | None = None
+    ) -> Record:  # fmt: skip
+        """Room for a number of rows, which come last where there is an entry for each tie, hold or watched point.
+
+        Args:
+            rows: their number.
+            moving_loads, ties, holds, watched: what there is.
+            instants: each of as many rows, that come first of all; None: there are none.
+        """
         contacts, bodies = moving_loads.owner.size, moving_loads.mass.shape[:2]
-        unknown = (np.full((rows, *shape), np.nan) for shape in ((contacts,), (contacts,), bodies))
+        first = () if instants is None else (instants,)
+        unknown = (np.full((*first, rows, *shape), np.nan) for shape in ((contacts,), (contacts,), bodies))
         # Zeros cost nothing until they are touched: in this order, what lies beyond a window is not.
-        return Record(*unknown, *(np.zeros((*shape, rows)) for shape in ((ties,), (holds, 3), (watched.base.size,))))
+        each = ((ties,), (holds, 3), (watched.base.size,))
+        return Record(*unknown, *(np.zeros((*first, *shape, rows)) for shape in each))
 
     def turned(self) -> Record:
-        """The same with rows first everywhere."""
-        return Record(
-            self.force, self.height, self.body, self.tie.T, self.hold.transpose(2, 0, 1), self.watched.T
-        )  # fmt: skip
+        """The same with rows before entries everywhere."""
+        tie, hold, watched = (array.swapaxes(-1, -2) for array in (self.tie, self.hold, self.watched))
+        return Record(self.force, self.height, self.body, tie, hold.swapaxes(-2, -3), watched)
+
+    def together(self) -> Record:
+        """The same of one output instant, which comes first."""
+        return Record(*(array[None] for array in self))
+
+    def first(self) -> Record:
+        """That of the first instant alone."""
+        return Record(*(array[0] for array in self))

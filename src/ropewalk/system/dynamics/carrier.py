@@ -22,6 +22,7 @@ from ropewalk.system.contact.arrivals import next_change
 from ropewalk.system.contact.contact_record import AWAY, BODY, ON
 from ropewalk.system.contact.tables import Tables
 from ropewalk.system.dynamics import motion
+from ropewalk.system.dynamics.intervals import Intervals, advance
 from ropewalk.system.elements.spline import WIDTH, share
 from ropewalk.system.elements.structure import DRIVEN, IN_BODIES, STRUCK, Buffers, Structure, SystemState
 from ropewalk.system.loads.bodies import BodyArrays, with_step
@@ -59,7 +60,7 @@ class System(NamedTuple):
 
     def advance(self, dt: float, steps: int) -> tuple[int, float]:
         """The kernel of a motion, see there."""
-        return motion.advance(*self.arguments, dt, steps)  # type: ignore[no-any-return]
+        return advance(*self.arguments, dt, steps, Intervals.nowhere(self.bodies))  # type: ignore[no-any-return]
 
     def go(
         self, end: float, longest: float, alone: bool = False, advance: Advance | None = None
@@ -219,18 +220,18 @@ class SystemCarrier:
     longest: float  # s, of a step
     looks_ahead: bool = False
     steps: int = 0
-    _known: tuple[System, tuple[Any, ...], Callable[..., tuple[int, float]]] | None = None
+    _known: tuple[System, tuple[Any, ...], Callable[..., tuple[int, float]], Intervals] | None = None
 
-    def advance(self, dt: float, steps: int) -> tuple[int, float]:
+    def advance(self, dt: float, steps: int, intervals: Intervals | None = None) -> tuple[int, float]:
         """The kernel of the motion; what its arguments are is found out once, for those of the beginning."""
         if self._known is None:
-            arguments = self.system.arguments
-            self._known = self.system, arguments, entry_of(motion.advance, (*arguments, dt, steps))
-        (first, arguments, entry), system = self._known, self.system
+            arguments, nowhere = self.system.arguments, Intervals.nowhere(self.system.bodies)
+            self._known = self.system, arguments, entry_of(advance, (*arguments, dt, steps, nowhere)), nowhere
+        (first, arguments, entry, nowhere), system = self._known, self.system
         if system is first:
-            return entry(*arguments, dt, steps)
+            return entry(*arguments, dt, steps, nowhere if intervals is None else intervals)
         if system.structure is first.structure and system.state is first.state:  # no twin, and no window
-            return entry(*system.arguments, dt, steps)
+            return entry(*system.arguments, dt, steps, nowhere)
         return system.advance(dt, steps)
 
     @property

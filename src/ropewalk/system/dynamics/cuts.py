@@ -52,6 +52,11 @@ class Cuts(Parting):
         self._done = np.zeros(len(self._cuts), dtype=np.bool_)
         self._behind = np.zeros((len(self._cuts), contacts.size), dtype=np.int64)
 
+    @property
+    def any(self) -> bool:
+        """Whether there are any."""
+        return bool(self._cuts)
+
     def next(self) -> float:
         """The next instant in s at which a line is cut; infinity: there is none."""
         ahead = [cut.time for cut, done in zip(self._cuts, self._done, strict=True) if not done]

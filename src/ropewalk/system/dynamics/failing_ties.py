@@ -33,6 +33,11 @@ class FailingTies(Parting):
         none = np.zeros((0, 2))
         self._k, self._c = (none, none) if ties is None else (ties.k[self._tie], ties.c[self._tie])
 
+    @property
+    def any(self) -> bool:
+        """Whether there are any."""
+        return self._tie.size > 0
+
     def next(self) -> float:
         """The next instant in s at which a tie is cut; infinity: there is none."""
         return float(self._time[self._whole].min(initial=np.inf))

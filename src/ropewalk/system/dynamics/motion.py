@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ropewalk.mechanics.compiled import inlined, lean, lean_inner
+from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.mechanics.elimination import solve_definite
 from ropewalk.mechanics.moving_contact import look_up
 from ropewalk.system.contact.at_sheaves import is_at_sheave
@@ -405,9 +405,9 @@ def _is_any(values):
     return found
 
 
-@lean
-def advance(structure, buffers, contacts, tables, bodies, state, table, out, A, b, method, dt, steps):
-    """Move a state by some steps of the length dt in s. One kernel for all, which is compiled once.
+@lean_inner
+def advance_by(structure, buffers, contacts, tables, bodies, state, table, out, A, b, method, dt, steps):
+    """Move a state by some steps of the length dt in s.
 
     Args:
         method: its kicks and drifts.

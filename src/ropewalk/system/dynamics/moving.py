@@ -15,22 +15,23 @@ from ropewalk.controllers.partner import Partner
 from ropewalk.errors import EquilibriumError
 from ropewalk.external.cosimulation_master import begun
 from ropewalk.mechanics import law
-from ropewalk.mechanics.chain import CLAMPED, COULOMB, Array, Integers
+from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.loading import loading_of
 from ropewalk.mechanics.multibody_system import hung
+from ropewalk.mechanics.notes import STEPS, Notes, numbers_of
+from ropewalk.mechanics.portions import portion
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.trolley import Trolley
 from ropewalk.results.exchanges import external_in
 from ropewalk.results.frame import Layout, RunInfo
-from ropewalk.results.frames import Frames
+from ropewalk.results.frames import Frames, NotedInstants
 from ropewalk.results.running import Ending
 from ropewalk.solve.choice import RKN6_LIMIT, Bounds, rkn6_step
 from ropewalk.solve.composition import RKN6, VERLET
 from ropewalk.solve.stages import LOBATTO, RADAU, Stages
 from ropewalk.system.assembling.assembly import contacts_of, refuse_beyond
-from ropewalk.system.contact.contact_record import BODY, ON, PRESCRIBED
-from ropewalk.system.contact.contacts import FASTEST
+from ropewalk.system.contact.contact_record import BODY
 from ropewalk.system.contact.feet import steps_by_table
 from ropewalk.system.dynamics import motion, stability
 from ropewalk.system.dynamics.asking import FAILED, Asking
@@ -38,11 +39,11 @@ from ropewalk.system.dynamics.beginning import begin_elsewhere, measure_from_res
 from ropewalk.system.dynamics.carrier import SHORTER, System, SystemCarrier
 from ropewalk.system.dynamics.cuts import Cuts, runs_ahead_of_cuts
 from ropewalk.system.dynamics.failing_ties import FailingTies
+from ropewalk.system.dynamics.intervals import Intervals
 from ropewalk.system.dynamics.partings import Partings
 from ropewalk.system.dynamics.window import Window
 from ropewalk.system.elements.compliance import compliances
 from ropewalk.system.elements.inertia import remark_inertia, with_inertia
-from ropewalk.system.elements.segments import mass_of
 from ropewalk.system.elements.structure import WORKS, Buffers, SystemState
 from ropewalk.system.equilibrium.carriages_at_rest import CarriagesAtRest
 from ropewalk.system.equilibrium.rest import about_rest, at_rest, least, refuse_limp, tensions
@@ -52,15 +53,12 @@ from ropewalk.system.loads.crabs import Crabs, stand_on_lines
 from ropewalk.system.loads.loaded_structure import Carried, LoadedStructure, load_springs, measure_from_ends
 from ropewalk.system.methods import first_damper, shaken
 from ropewalk.system.reporting import doubts
+from ropewalk.system.reporting.contact_doubts import ContactDoubts
 from ropewalk.system.reporting.frames import FrameBuilder, SystemNote
-from ropewalk.system.reporting.hold_forces import on_friction
 from ropewalk.system.reporting.sticking_friction import StickingFriction
 
 if TYPE_CHECKING:
     from ropewalk.system.dynamics.implicit import Implicit
-
-# Part of a run for which a load may be faster than the waves of its line, as where that is slack for a while.
-LONG = 0.2
 
 # Part of the longest step of the sixth order that is used: kinks raise the tensions that rest has.
 RKN6_SAFETY = 0.9
@@ -131,10 +129,7 @@ class SystemMotion:
         cuts = Cuts(scenario, self.assembled, self.contacts, self.state.s)
         self._partings = Partings({"cuts": cuts, "ties": FailingTies(self.assembled)}, run_info)
         self._turned = np.zeros(1, dtype=np.int64)  # 1: it has been said that lines have turned far
-        self._fast = np.zeros(self.contacts.size, dtype=np.int64)  # frames in which each was faster than waves
-        self._slipped = np.zeros(self.contacts.size, dtype=np.int64)  # 1: it has been said that friction is not enough
-        clamped, coulomb = loading.loads.contact == CLAMPED, loading.loads.contact == COULOMB
-        self._may_slip = (clamped & (self.contacts["friction"] > 0.0)) | coulomb
+        self._contact_doubts = ContactDoubts(loading, self.contacts, self.structure, run_info, times.size)
         self._carriages = CarriagesAtRest(scenario, loading, self.contacts, self.bodies, dim)
         self._crabs = Crabs(scenario, loading.wheels, self.contacts, self.bodies)
         if self._carriages.rounds:
@@ -166,6 +161,10 @@ class SystemMotion:
             longest = asked.until if asked.step is None else asked.step
             stable = stability.largest_step(self.structure, self.contacts, self.bodies, self.rest)
             self._implicit = Implicit(self._system(), self.rest, asked.precision, longest, stable, stages)
+        self._elastic = np.zeros(1)
+        self._sources = SystemNote.sources(self.state, self._buffers, self.contacts, self.bodies, self._elastic)
+        self._numbers, self._is_due = numbers_of(self._sources), False
+        self._notes = self._empty_notes(0)
         tension = tensions(self.structure, self.state.r)
         doubts.doubt_slack(scenario, run_info, self.layout.link_line, tension[self._builder.link])
         cut = stability.cut_by_damping(self.assembled, self.rest, self.times[-1] / self._step)
@@ -353,22 +352,50 @@ class SystemMotion:
         steps = max(1, int(np.ceil((end - begin) / self._step - 1e-9)))
         return steps, (end - begin) / steps
 
-    def advance(self, i: int) -> Ending | None:
-        """Go on to output instant i."""
-        if not i:
-            return None
-        if self._implicit is not None:
-            status, self.run_info.steps = self._implicit.to(float(self.times[i])), self._implicit.steps
-        else:
-            end = float(self.times[i])
-            status = self._partings.to(self._asking, end) if self._window is None else self._go_in_window(end)
-            self.run_info.steps, self._carrier.steps = self.run_info.steps + self._carrier.steps, 0
+    def advance(self, i: int, most: int = 1) -> Ending | None:
+        """Go on to output instant i, and to those after it if nobody need look in between."""
+        self._notes, self._is_due, status = self._empty_notes(0), False, motion.RUNNING
+        if i and not (intervals := self._intervals(i, most)).end.size:
+            status = self._go(float(self.times[i]))
+        elif i:
+            self._notes, before = intervals.notes, self.run_info.steps
+            try:
+                status = self._carrier.advance(0.0, motion.LOOK, intervals)[0]
+            finally:
+                self.run_info.steps = before + int(intervals.notes.gone[STEPS])
+        self._is_due = status != motion.RUNNING or not self._notes.noted
         if (crossed := self._partings.crossed()) is not None:
             return Ending("travel ended", f"stopped at t = {self.state.t[0]:.6g} s: {crossed}")
         if status == motion.RUNNING:
             return None
         outcome, advice = ("load failed", self._asking.message) if status == FAILED else _ENDS[status]
         return Ending(outcome, f"stopped at t = {self.state.t[0]:.6g} s: {advice}")
+
+    def _go(self, end: float) -> int:
+        """Go on to a time in s; returns what has come of it."""
+        if self._implicit is not None:
+            status, self.run_info.steps = self._implicit.to(end), self._implicit.steps
+            return status
+        status = self._partings.to(self._asking, end) if self._window is None else self._go_in_window(end)
+        self.run_info.steps, self._carrier.steps = self.run_info.steps + self._carrier.steps, 0
+        return status
+
+    def _empty_notes(self, most: int) -> Notes:
+        return Notes.empty(self._numbers, most)
+
+    def _intervals(self, i: int, most: int) -> Intervals:
+        """Output instants from i on to which it goes without being looked at: one for each step of constant length."""
+        structure, carrier, count = self.structure, self._carrier, self.rest.shape[1]
+        looks = self._implicit is not None or self._window is not None or self._method is not VERLET
+        looks = looks or bool(self._asking.controllers) or self._partings.any or structure.sheaves is not None
+        looks = looks or (self._friction is not None and structure.saddles is not None)
+        if looks or self._buffers.tight is not None or structure.inertia.along.size:
+            return Intervals.nowhere(self.bodies)
+        times = self.times[i : i + most]
+        return Intervals.through(
+            carrier.t, times, carrier.longest, portion(count), self.bodies, self._empty_notes(times.size),
+            self._elastic, self._buffers.reaction,
+        )  # fmt: skip
 
     def _go_in_window(self, end: float) -> int:
         """Go on to a time in s; the window follows the contacts."""
@@ -386,12 +413,25 @@ class SystemMotion:
         carrier.system = self._system()
         return status
 
-    def note(self) -> SystemNote | None:
-        """What the present frame will be made of; nothing of a motion that is no longer finite."""
-        if not np.isfinite(self.state.r).all():
-            return None
+    def note(self) -> NotedInstants:
+        """What the frames of the instants that it came to will be made of; nothing of a motion without numbers."""
+        if self._is_due and np.isfinite(self.state.r).all():
+            self._is_due, notes = False, self._empty_notes(self._notes.noted + 1)
+            self._look_at_present()
+            notes.extend(self._notes)
+            notes.add()
+            self._notes = notes
+        return NotedInstants(self._notes.noted, self._notes)
+
+    def note_present(self) -> NotedInstants:
+        """What a frame of the present will be made of, whatever came before."""
+        self._notes, self._is_due = self._empty_notes(0), True
+        return self.note()
+
+    def _look_at_present(self) -> None:
+        """Find all forces, but those of supports: of these the last kick knows."""
         reaction = self._buffers.reaction.copy()
-        elastic = self._carrier.advance(0.0, motion.LOOK)[1]
+        self._elastic[0] = self._carrier.advance(0.0, motion.LOOK)[1]
         self._buffers.reaction[:] = reaction
         for e in () if self._window is None else np.flatnonzero(self._window.still):
             self._buffers.reaction[e] = -self._buffers.force[:, self.structure.restraints.members(int(e))].sum(axis=1)
@@ -403,37 +443,23 @@ class SystemMotion:
             moved = self.state.r - self.rest
             doubts.ask_sticking(self._friction, self.structure, moved, self._buffers, self.run_info, t)
         doubts.doubt_struts(self.assembled, self._buffers, self.run_info, t)
-        return SystemNote.of(self.state, self._buffers, self.contacts, self.bodies, elastic)
 
-    def frames(self, notes: Sequence[SystemNote]) -> Frames:
+    def frames(self, notes: Sequence[NotedInstants]) -> Frames:
         """The frames of some notes."""
-        at = SystemNote.together(notes)
+        at = SystemNote.together([noted.of for noted in notes], self._sources)
         frames = self._builder.build(at)
-        self._doubt_speeds(at.t, at.contacts)
+        self._contact_doubts.doubt_speeds(at.t, at.contacts)
         doubts.doubt_saddles(self._scenario, self.run_info, frames, self.layout.node_line)
         if self._carriages.rounds or self._crabs.each:
             doubts.doubt_wheels(self._scenario, self.run_info, frames, self.loading.wheels)
             doubts.judge_hauling_ropes(self._scenario, self.run_info, frames, self.layout.hauled, at.hauls["deep"])
-        self._ask_friction(frames, at.contacts)
+        self._contact_doubts.ask_friction(frames, at.contacts)
         return frames
 
     @property
     def together(self) -> bool:
         """Whether frames may be made later: nodes over sheaves go to other runs, and ties that fail are gone."""
         return self.structure.sheaves is None and not (self.assembled.attached and self.assembled.attached.fails)
-
-    def _doubt_speeds(self, path: Array, contacts: Any) -> None:
-        """Doubt kinks that are carried along faster than transverse waves."""
-        runs, run = self.structure.runs, np.where(contacts["state"] == ON, contacts["run"], 0)
-        kinked = (contacts["state"] == ON) & (contacts["kind"] == BODY) & (runs.bending[run] == 0.0)
-        square = mass_of(self.structure, contacts) * contacts["speed"] ** 2
-        fast = kinked & (square > FASTEST * np.maximum(contacts["tension"], 0.0)) & (square > 0.0)
-        before, count = self._fast.copy(), np.cumsum(fast, axis=0)
-        self._fast += count[-1]
-        for k in np.flatnonzero((before <= LONG * self.times.size) & (self._fast > LONG * self.times.size)):
-            i = int(np.argmax(fast[:, k] & (before[k] + count[:, k] > LONG * self.times.size)))
-            wheel = self.loading.wheels[k]
-            self._doubt(wheel.name, wheel.load, float(contacts["speed"][i, k]), float(path[i]))
 
     def _ask_turned(self, t: float) -> None:
         """Note once where lines with an axial inertia have turned so far that the step may be too long."""
@@ -447,26 +473,6 @@ class SystemMotion:
                 f"at t = {t:.4g} s lines have turned so far that run.axial_inertia is of less use: the step of "
                 f"{self._step:.3g} s is stable for certain only below {stable:.3g} s"
             )
-
-    def _ask_friction(self, frames: Frames, contacts: Any) -> None:
-        """Note once where the friction of a prescribed travel is not enough."""
-        needed, asked = frames.of["contact_friction"], (contacts["state"] == ON) & (contacts["travel"] == PRESCRIBED)
-        for i, k in zip(*np.nonzero(asked & self._may_slip & (self._slipped == 0)), strict=True):
-            kind, contact = int(self.loading.loads.contact[k]), contacts[i, k]
-            found = on_friction(self.loading.wheels[k].name, kind, contact, float(needed[i, k]))
-            if found and not self._slipped[k]:
-                self._slipped[k] = 1
-                self.run_info.warnings.append(f"at t = {frames.path[i]:.4g} s, {found}")
-
-    def _doubt(self, name: str, load: str, speed: float, t: float) -> None:
-        if any(doubt.key == f"loads.{load}.travel.speed" for doubt in self.run_info.doubts):
-            return
-        self.run_info.doubt(
-            f"load {name}: a mass at {speed:.4g} m/s comes to the speed of the transverse waves of its line at "
-            f"t = {t:.4g} s",
-            "its contact force is wrong once it is as fast as the waves", f"loads.{load}.travel.speed",
-            "let it go slower, or give the line more tension",
-        )  # fmt: skip
 
     def get_state(self) -> Tree:
         """All that changes.
@@ -488,7 +494,7 @@ class SystemMotion:
         self._partings.set_state(tree["partings"])
 
     def _changing(self) -> dict[str, Any]:
-        own = {"fast": self._fast, "slipped": self._slipped, "turned": self._turned}
+        own = {**self._contact_doubts.changing(), "turned": self._turned}
         if self._implicit is not None:
             own["step"] = self._implicit.memory
         return {**self._system().changing(), "loads": own}

@@ -16,6 +16,11 @@ from ropewalk.system.dynamics.carrier import System
 class Parting(ABC):
     """Things of one kind that part."""
 
+    @property
+    @abstractmethod
+    def any(self) -> bool:
+        """Whether there are any."""
+
     @abstractmethod
     def next(self) -> float:
         """The next instant in s at which one parts; infinity: there is none."""
@@ -55,6 +60,11 @@ class Partings:
 
     def __init__(self, kinds: dict[str, Parting], run_info: RunInfo) -> None:
         self._kinds, self._run_info = kinds, run_info
+
+    @property
+    def any(self) -> bool:
+        """Whether there is anything that may part."""
+        return any(kind.any for kind in self._kinds.values())
 
     def to(self, asking: Asking, end: float) -> int:
         """Go on to a time in s, and part on the way what is to part; returns as `Asking.to`."""

@@ -147,7 +147,7 @@ class RestUnderForces(SlowMotion[_Loaded]):
         state = SystemState(np.array([t]), rest.r, np.zeros_like(rest.r), none, none, none, np.zeros(WORKS))
         note = SystemNote.of(state, buffers, self._no_contacts, self._bodies, elastic)
         builder = FrameBuilder(rest.assembled, self._bare, self._bodies, self._windy, path=_PATH)
-        own = builder.build(SystemNote.together([note]), still=path)[0]
+        own = builder.build(note, still=path)[0]
         position, tension, strain = self._displayed.of(rest, own, builder.layout)
         seen, energy = self._contacts(loaded, t), own.energy.copy()
         contacts: Any = seen.fields()

@@ -138,7 +138,7 @@ class SystemStatics(SlowMotion[_RestShape]):
         buffers.react(self._structure.restraints)
         state = SystemState(seen.t, seen.r, seen.v, seen.u[:own], seen.w[:own], seen.s, seen.work)
         note = SystemNote.of(state, buffers, loaded.contacts, self._carried.bodies, elastic)
-        frame = self._builder.build(SystemNote.together([note]), still=path)[0]
+        frame = self._builder.build(note, still=path)[0]
         self._remark(frame)
         return frame
 

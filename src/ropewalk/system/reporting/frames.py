@@ -7,10 +7,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ropewalk.checkpoint import Tree, copied
+from ropewalk.checkpoint import Tree
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.loading import Loading
 from ropewalk.mechanics.multibody_system import FIRM
+from ropewalk.mechanics.notes import Notes, columns, numbers_of
 from ropewalk.results.audit import Audit, energies
 from ropewalk.results.frame import IN_AIR, MOVES, STICKS, Contacts, Layout
 from ropewalk.results.frames import Frames, summed
@@ -60,27 +61,27 @@ class SystemNote(NamedTuple):
     elastic: Array  # () J, what lines and contacts store
 
     @staticmethod
-    def of(state: SystemState, buffers: Buffers, contacts: Any, bodies: BodyArrays, elastic: float) -> SystemNote:
-        """Copies of what is known now."""
-        return SystemNote(*copied((
-            state.t[0], state.r, state.v, state.u, state.w, state.s, state.work, buffers.tension, buffers.strain,
+    def sources(state: SystemState, buffers: Buffers, contacts: Any, bodies: BodyArrays, elastic: Array) -> list[Any]:
+        """The arrays themselves of which this is a copy; `elastic` has one entry."""
+        return [
+            state.t, state.r, state.v, state.u, state.w, state.s, state.work, buffers.tension, buffers.strain,
             buffers.bent, buffers.reaction, contacts, bodies.tethers, bodies.carriages.hauls, bodies.M, bodies.K,
-            np.array(elastic),
-        )))  # fmt: skip
+            elastic,
+        ]  # fmt: skip
 
     @staticmethod
-    def together(notes: Sequence[SystemNote]) -> SystemNote:
-        """The same of several instants."""
-        columns: Any = zip(*notes, strict=True)
-        return SystemNote(*(_stacked(column) for column in columns))
+    def together(notes: Sequence[Notes], sources: Sequence[Any]) -> SystemNote:
+        """What has been noted of these arrays."""
+        t, *others, elastic = columns(notes, sources)
+        return SystemNote._make([t[:, 0], *others, elastic[:, 0]])
 
-
-def _stacked(values: Sequence[Array]) -> Any:
-    """Arrays of one shape as one. NumPy takes 3 us for each dozen fields of records, and none for their bytes."""
-    shape, kind = (len(values), *values[0].shape), values[0].dtype
-    if kind.names is None or not values[0].size:
-        return np.stack(values) if kind.names is None else np.zeros(shape, kind)
-    return np.frombuffer(b"".join(value.tobytes() for value in values), kind).reshape(shape)
+    @staticmethod
+    def of(state: SystemState, buffers: Buffers, contacts: Any, bodies: BodyArrays, elastic: float) -> SystemNote:
+        """What is known now, of one instant."""
+        sources = SystemNote.sources(state, buffers, contacts, bodies, np.array([elastic]))
+        notes = Notes.empty(numbers_of(sources), 1)
+        notes.add()
+        return SystemNote.together([notes], sources)
 
 
 class FrameBuilder:

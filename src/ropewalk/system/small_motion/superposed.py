@@ -237,7 +237,7 @@ class Superposed:
             np.array([t]), r, v, moment.u, moment.w, self._passing.state.s, np.zeros(WORKS)
         )  # fmt: skip
         note = SystemNote.of(state, buffers, loaded.contacts, self._of, self._still.stored(x) + kinks)
-        frame = self._builder.build(SystemNote.together([note]))[0]
+        frame = self._builder.build(note)[0]
         energy = np.full(len(ENERGY_FORMS), np.nan)
         energy[_KNOWN] = frame.energy[_KNOWN]
         return replace(frame, energy=energy, cell_tension=self._cell_tensions(x))
