@@ -303,7 +303,7 @@ def advance(strands, threads, link_springs, holders, window, still, watched, mov
                     if np.isinf(moving_loads.spring[k]):
                         _join(strands, threads, moving_loads, stepping, other, inputs, record, row, step, steps, k, w)
             settle_accounts(moving_loads, stepping)
-            absorb(strands, window, threads.mass[axes - 1], now, other, 1, dt, stepping.step, stepping.work)
+            absorb(strands, window, threads.mass[axes - 1], now, other, 1, dt, stepping.step, stepping.work, 1)
             follow_waves(window, still, now, other, dt, stepping.work)
             gone = row * steps + step
             now, other = other, now
