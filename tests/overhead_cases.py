@@ -50,13 +50,15 @@ SIMPLE_AC: dict[str, Any] = {
 DAMPED = {"drag": 0.0125, "retardation": "100 us"}  # as of the simple AC line
 
 
-def long_line(spans: int, window: float | None, damping: dict[str, Any] | None = None, **changed: Any) -> Scenario:
-    """The reference model of so many spans at 300 km/h, in a window in m, with links of 0.5 m."""
+def long_line(
+    spans: int, window: float | str | None, damping: dict[str, Any] | None = None, speed: float = 300.0, **changed: Any
+) -> Scenario:
+    """The reference model of so many spans at a speed in km/h, in a window in m, with links of 0.5 m."""
     wires = {key: EN_2002[key] | (damping or {}) for key in ("contact_wire", "messenger_wire")}
     own = {"spans": {"count": spans, "length": "60 m"}, "element": "0.5 m", "analysed_spans": None}
-    run = {"kind": "dynamic", "until": (60.0 * spans - 20.0) / (300.0 / 3.6), "every": 0.05, "window": window}
+    run = {"kind": "dynamic", "until": (60.0 * spans - 20.0) / (speed / 3.6), "every": 0.05, "window": window}
     run |= changed.pop("run", {})
-    travel = {"speed": "300 km/h", "from": "10 m"}
+    travel = {"speed": f"{speed} km/h", "from": "10 m"}
     load = {"kind": "pantograph", "on": "line", "model": "en50318-2002", "travel": travel}
     line, run = ({k: v for k, v in block.items() if v is not None} for block in (EN_2002 | wires | own | changed, run))
     return Scenario.model_validate({"overhead_lines": {"line": line}, "loads": {"head": load}, "run": run})

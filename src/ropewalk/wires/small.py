@@ -247,8 +247,7 @@ class SmallMotion(Changing):
     def __init__(
         self, mesh: Mesh, rest: WiresAtRest, moving_loads: MovingLoads, step: float, q: Array, window: float = np.inf
     ) -> None:
-        self.mesh, self.rest, self.moving_loads, self.window = mesh, rest, moving_loads, window
-        strands = mesh.strands
+        self.mesh, self.rest, self.moving_loads, strands = mesh, rest, moving_loads, mesh.strands
         self.stencil = stencil_of(mesh, step)
         self.stepping = stepping_of(moving_loads, step, q, np.zeros(moving_loads.owner.size))
         springs = springs_of(mesh, rest)
@@ -270,13 +269,17 @@ class SmallMotion(Changing):
         fast, count = self.holders.fast, self.holders.x.size
         whole = (0, self.springs.x.size), (0, fast), (fast, count), (0, self._watched.x.size)
         laden = np.stack([self.stencil.first[:-1], self.stencil.first[1:]], axis=1)
-        beyond = np.ceil(WIDTH * (strands.h.max() / strands.h + 1.0)).astype(np.int64)
-        self._edges = (*layers(mesh, window), beyond)
+        self._beyond = np.ceil(WIDTH * (strands.h.max() / strands.h + 1.0)).astype(np.int64)
         self._whole = WireWindow(
-            np.zeros_like(strands.links), strands.links + 1, *layers(mesh, np.inf), beyond, laden, *whole
+            np.zeros_like(strands.links), strands.links + 1, *layers(mesh, np.inf), self._beyond, laden, *whole
         )
-        self._low, self._high = self._whole.low, self._whole.high  # what moved last
+        self.set_window(window)
         self._advance: Callable[..., object] | None = None
+
+    def set_window(self, window: float) -> None:
+        """Let only what is so far around the contacts move from now on, m; everything if infinite."""
+        self.window, self._layers = window, layers(self.mesh, window)
+        self._low, self._high = self._whole.low, self._whole.high  # what moved last
 
     def begin(self, u: Array, velocity: Array) -> None:
         """Go on from displacements in m and velocities of half a step before in m/s, (node,) upwards."""
@@ -374,7 +377,7 @@ class SmallMotion(Changing):
         ]
         seen = self._watched.x
         parts.append((int(np.searchsorted(seen, begin + edge)), int(np.searchsorted(seen, end - edge))))
-        return WireWindow(low, high, *self._edges, self._laden(low, high), *parts)
+        return WireWindow(low, high, *self._layers, self._beyond, self._laden(low, high), *parts)
 
     def _stop(self, low: Integers, high: Integers) -> None:
         """Let what the window leaves, as it begins to move nodes from low to high of each wire, stand still."""

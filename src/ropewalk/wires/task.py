@@ -49,7 +49,8 @@ class WireTask:
     displayed: tuple[Displayed, ...] = ()
     element: float | list[int] = 0.25  # m, or the number of links of each wire
     geometry: Geometry = "nonlinear"
-    window: float = np.inf  # m on both sides of the contacts, beyond which nothing moves; linearised only
+    window: float = np.inf  # m on both sides of the contacts, beyond which nothing moves
+    accuracy: float | None = None  # m, of the height under contacts: the window becomes as wide as that takes
     inertia: float = 1.0  # factor on the mass along x; nonlinear only
     space: bool = False  # whether anything moves sideways
     external_models: tuple[WireExternalModel, ...] = ()  # who of the prescribed motions are external models
