@@ -89,7 +89,8 @@ def test_one_millimetre_is_what_is_wanted_if_nothing_is_said() -> None:
 
 def test_a_line_that_is_too_short_for_the_accuracy_moves_as_a_whole() -> None:
     asked = {"geometry": "linearised", "accuracy": "1 um"}
-    found, whole = (simulate(long_line(4, w, run=r)) for w, r in (("auto", asked), (None, {"geometry": "linearised"})))
+    widths = (("auto", asked), (None, {"geometry": "linearised"}))
+    found, whole = (simulate(long_line(4, width, run=run, speed=100.0)) for width, run in widths)
     assert found.attrs["window"] == np.inf
     assert told(found) == (0.0, 0.0)
     assert "; all moves" in found.attrs["reason"]

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ropewalk.errors import EquilibriumError
 from ropewalk.wires.bending import fourth_order
 from ropewalk.wires.mesh import Mesh, Places, WireRuns, per_length
+from ropewalk.wires.pieces import AT_ONCE, solve_by_pieces
 from ropewalk.wires.plan import Array
 from ropewalk.wires.spline import WIDTH
 
@@ -107,23 +108,37 @@ def moving(mesh: Mesh) -> NDArray[np.bool_]:
     return free
 
 
-def restrained_shape(mesh: Mesh, places: Places, heights: Array, load: Array) -> tuple[Array, Array]:
+def restrained_shape(
+    mesh: Mesh, places: Places, heights: Array, load: Array, wires: slice = slice(None)
+) -> tuple[Array, Array]:
     """Heights of all control points of wires that go through given heights, and the forces upwards that it takes.
 
     Args:
         places: points of the wires.
         heights: (point,) m.
         load: (node,) N upwards on the control points.
+        wires: nodes of those that are asked for; others stay straight.
     """
     K, C = vertical_stiffness(mesh), rows(places, mesh.nodes)
-    free, chord = moving(mesh), mesh.straight()[2]
-    z, force = _solve(K, C, places.local, free, load - K @ chord + beds(mesh) * chord, heights - C @ chord)
+    free, chord = np.zeros(mesh.nodes, dtype=np.bool_), mesh.straight()[2]
+    free[wires] = moving(mesh)[wires]
+    out = load - K @ chord + beds(mesh) * chord
+    z, force = _solve(K, C, places.local, free, out, heights - C @ chord, mesh.straight()[0])
     return chord + z, force
 
 
-def _solve(K: Any, C: Any, local: Array, free: NDArray[np.bool_], load: Array, gap: Array) -> tuple[Array, Array]:
-    """Solve K z = load + C' force, C z + local force = gap for the free control points."""
+def _solve(
+    K: Any, C: Any, local: Array, free: NDArray[np.bool_], load: Array, gap: Array, x: Array, *, roughly: bool = False
+) -> tuple[Array, Array]:
+    """Solve K z = load + C' force, C z + local force = gap for the free control points, x in m along the line.
+
+    Long lines are solved piece by piece, `roughly` if a first guess is enough.
+    """
     z, k = np.zeros(free.size), C.shape[0]
+    if free.size > AT_ONCE:
+        pieces = solve_by_pieces(K, C, local, free, load, gap, x, roughly=roughly)
+        if pieces is not None:
+            return pieces
     A, B = K[free][:, free], C[:, free]
     system = sparse.bmat([[A, -B.T], [B, sparse.diags(local)]], format="csc") if k else sparse.csc_matrix(A)
     with warnings.catch_warnings():
@@ -143,7 +158,7 @@ def rest_of(mesh: Mesh) -> WiresAtRest:
     """
     free, K = moving(mesh), vertical_stiffness(mesh)
     chord, position = mesh.straight()[2], mesh.led(mesh.straight())
-    z = position[2].copy()
+    z, x = position[2].copy(), position[0]
     ties, holds = mesh.ties, mesh.holds
     A = rows(ties.other, mesh.nodes) - rows(ties.one, mesh.nodes)
     grounded = np.isfinite(ties.ground)
@@ -157,7 +172,7 @@ def rest_of(mesh: Mesh) -> WiresAtRest:
     constraint, local, level = H[fast], holds.at.local[fast], holds.place[fast, 2]
     hanging = rows(ties.one, mesh.nodes)[ties.lengthwise]
     first = K + _SOFT * (hanging.T @ hanging)
-    z += _solve(first, constraint, local, free, load - K @ z, level - constraint @ z)[0]
+    z += _solve(first, constraint, local, free, load - K @ z, level - constraint @ z, x, roughly=True)[0]
     pull, slack = ties_springs(mesh)
     for _ in range(_MOST_STEPS):
         rise = A @ z + ground
@@ -169,7 +184,7 @@ def rest_of(mesh: Mesh) -> WiresAtRest:
         tangent = k * way[:, 2] ** 2 + force / reach * (1.0 - way[:, 2] ** 2)
         out = load - K @ z - A.T @ (force * way[:, 2])
         step, restrained = _solve(
-            K + A.T @ sparse.diags(tangent) @ A, constraint, local, free, out, level - constraint @ z
+            K + A.T @ sparse.diags(tangent) @ A, constraint, local, free, out, level - constraint @ z, x
         )
         z = z + step
         if np.abs(step).max() <= _CLOSE * size or not ties.length.size:  # without ties one step leads there
