@@ -39,31 +39,45 @@ class WiresAtRest:
 
 def vertical_stiffness(mesh: Mesh) -> sparse.csr_matrix:
     """Stiffness of all wires against vertical displacements, (node, node) N/m, without what is attached."""
-    s, taut, tension = mesh.strands, [], mesh.tension
-    for a, (n, h) in enumerate(zip(s.links, s.h, strict=True)):
-        one = np.ones(n + 1)
-        slope = sparse.diags([-one, one], [0, 1], shape=(n, n + 1))
-        taut.append(slope.T @ sparse.diags(tension[mesh.of(a)][:-1] / h) @ slope)
-    return sparse.csr_matrix(sparse.block_diag(taut) + bending_stiffness(mesh) + sparse.diags(beds(mesh)))
+    s, tension, bent, bed, blocks = mesh.strands, mesh.tension, with_tension(mesh.strands), beds(mesh), []
+    for a, h in enumerate(s.h):
+        part, pull = mesh.of(a), tension[mesh.of(a)][:-1] / h
+        whole = np.append(pull, 0.0) + np.append(0.0, pull)
+        taut = sparse.diags([-pull, whole, -pull], [-1, 0, 1], format="csr")
+        blocks.append(taut + _bending(s, a, float(bent[a])) + sparse.diags(bed[part], format="csr"))
+    return _side_by_side(blocks)
 
 
 def bending_stiffness(mesh: Mesh) -> sparse.csr_matrix:
     """The part of bending, of any one component, clamped ends included."""
-    blocks, bent = [], with_tension(mesh.strands)
-    for w, n in enumerate(mesh.strands.links):
-        h, EI, one = mesh.strands.h[w], bent[w], np.ones(n + 1)
-        if mesh.strands.fourth[w]:
-            start, end = mesh.strands.clamped[w]
-            blocks.append(EI / h**3 * fourth_order(int(n), (bool(start), bool(end))))
-            continue
-        curved = sparse.diags([one, -2.0 * one, one], [0, 1, 2], shape=(n - 1, n + 1))
-        block = EI / h**3 * (curved.T @ curved)
-        for side, (i, j) in enumerate(((0, 1), (n, n - 1))):
-            if mesh.strands.clamped[w, side]:
-                turn = sparse.csr_matrix(([-1.0, 1.0], ([0, 0], [i, j])), shape=(1, n + 1))
-                block = block + 2.0 * EI / h**3 * (turn.T @ turn)
-        blocks.append(block)
-    return sparse.block_diag(blocks, format="csr")
+    bent = with_tension(mesh.strands)
+    return _side_by_side([_bending(mesh.strands, a, float(EI)) for a, EI in enumerate(bent)])
+
+
+def _bending(strands: WireRuns, a: int, EI: float) -> sparse.csr_matrix:
+    """That of wire a with a bending stiffness in N m^2."""
+    n, h, (start, end) = int(strands.links[a]), float(strands.h[a]), strands.clamped[a]
+    if strands.fourth[a]:
+        return sparse.csr_matrix(EI / h**3 * fourth_order(n, (bool(start), bool(end))))
+    one = np.ones(n + 1)
+    curved = sparse.diags([one, -2.0 * one, one], [0, 1, 2], shape=(n - 1, n + 1))
+    block = EI / h**3 * (curved.T @ curved)
+    for clamped, i, j in ((start, 0, 1), (end, n, n - 1)):
+        if clamped:
+            turn = sparse.csr_matrix(([-1.0, 1.0], ([0, 0], [i, j])), shape=(1, n + 1))
+            block = block + 2.0 * EI / h**3 * (turn.T @ turn)
+    return sparse.csr_matrix(block)
+
+
+def _side_by_side(blocks: list[sparse.csr_matrix]) -> sparse.csr_matrix:
+    """Blocks along a diagonal; `scipy.sparse.block_diag` takes three times the memory on its way."""
+    sizes = np.cumsum([0, *(block.shape[0] for block in blocks)])
+    counts = np.cumsum([0, *(block.nnz for block in blocks)])
+    indices = np.concatenate([block.indices + i for block, i in zip(blocks, sizes[:-1].astype(np.int32), strict=True)])
+    first = [block.indptr[:-1] + i for block, i in zip(blocks, counts[:-1].astype(np.int32), strict=True)]
+    data = np.concatenate([block.data for block in blocks])
+    nodes = int(sizes[-1])
+    return sparse.csr_matrix((data, indices, np.append(np.concatenate(first), counts[-1])), shape=(nodes, nodes))
 
 
 def with_tension(strands: WireRuns) -> Array:
@@ -171,8 +185,8 @@ def rest_of(mesh: Mesh) -> WiresAtRest:
     size = float(mesh.strands.h @ mesh.strands.links)
     constraint, local, level = H[fast], holds.at.local[fast], holds.place[fast, 2]
     hanging = rows(ties.one, mesh.nodes)[ties.lengthwise]
-    first = K + _SOFT * (hanging.T @ hanging)
-    z += _solve(first, constraint, local, free, load - K @ z, level - constraint @ z, x, roughly=True)[0]
+    softly = _SOFT * (hanging.T @ hanging)
+    z += _solve(K + softly, constraint, local, free, load - K @ z, level - constraint @ z, x, roughly=True)[0]
     pull, slack = ties_springs(mesh)
     for _ in range(_MOST_STEPS):
         rise = A @ z + ground

@@ -155,18 +155,23 @@ def _linearised(task: WireTask) -> WireStart:
                 f"{hold.name} moves along x, and small motion has constant tensions: write geometry: nonlinear"
             )
     mesh = mesh_of(task.plan, task.element, small=True)
-    holds, free = mesh.holds, moving(mesh)
-    at, stiff = rows(holds.at, mesh.nodes), spring(holds.stiffness[:, 2], holds.at.local)
-    K = vertical_stiffness(mesh) + at.T @ sparse.diags(stiff) @ at
     for i, wire in enumerate(task.plan.wires):
-        own = np.arange(mesh.nodes)[mesh.of(i)][free[mesh.of(i)]]
-        if wire.tension < 0.0 and not is_definite(K[own][:, own].tocsc()):
+        if wire.tension < 0.0 and not _bears(mesh, i):
             raise EquilibriumError(
                 f"{wire.name} buckles under its compression of {-wire.tension:.4g} N, and small motion is about a "
                 "straight line: write geometry: nonlinear, or give tension"
             )
     rest = rest_of(mesh)
     return WireStart(mesh, rest.position, hung(mesh, rest.position), rest)
+
+
+def _bears(mesh: Mesh, wire: int) -> bool:
+    """Whether a wire bears its compression without buckling."""
+    holds = mesh.holds
+    at, stiff = rows(holds.at, mesh.nodes), spring(holds.stiffness[:, 2], holds.at.local)
+    K = vertical_stiffness(mesh) + at.T @ sparse.diags(stiff) @ at
+    own = np.arange(mesh.nodes)[mesh.of(wire)][moving(mesh)[mesh.of(wire)]]
+    return bool(is_definite(K[own][:, own].tocsc()))
 
 
 def _nonlinear(task: WireTask) -> WireStart:
