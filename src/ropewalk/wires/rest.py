@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from ropewalk.errors import EquilibriumError
 from ropewalk.wires.bending import fourth_order
 from ropewalk.wires.mesh import Mesh, Places, WireRuns, per_length
-from ropewalk.wires.pieces import AT_ONCE, solve_by_pieces
 from ropewalk.wires.plan import Array
 from ropewalk.wires.spline import WIDTH
+from ropewalk.wires.stretches import AT_ONCE, solve_by_stretches
 
 _MOST_STEPS = 60
 # Heights are found to this part of the longest wire; forces follow from them.
@@ -150,9 +150,9 @@ def _solve(
     """
     z, k = np.zeros(free.size), C.shape[0]
     if free.size > AT_ONCE:
-        pieces = solve_by_pieces(K, C, local, free, load, gap, x, roughly=roughly)
-        if pieces is not None:
-            return pieces
+        parts = solve_by_stretches(K, C, local, free, load, gap, x, roughly=roughly)
+        if parts is not None:
+            return parts
     A, B = K[free][:, free], C[:, free]
     system = sparse.bmat([[A, -B.T], [B, sparse.diags(local)]], format="csc") if k else sparse.csc_matrix(A)
     with warnings.catch_warnings():

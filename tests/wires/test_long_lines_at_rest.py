@@ -12,7 +12,7 @@ import pytest
 
 from overhead_cases import SIMPLE_AC, long_line
 from ropewalk.model import Scenario
-from ropewalk.wires import pieces, rest
+from ropewalk.wires import rest, stretches
 from ropewalk.wires.task import ready
 from ropewalk.wiring import task_of
 
@@ -29,14 +29,14 @@ def test_a_line_at_rest_is_that_of_one_piece(
     whole, used = task_of(asked), list[Any]()
     one = ready(whole)[1]
     monkeypatch.setattr(rest, "AT_ONCE", 100)
-    monkeypatch.setattr(pieces, "_PIECE", 2000)
-    monkeypatch.setattr(pieces, "_BESIDE", beside)  # 13 and 5 spans with links of 0.5 m
+    monkeypatch.setattr(stretches, "_PIECE", 2000)
+    monkeypatch.setattr(stretches, "_BESIDE", beside)  # 13 and 5 spans with links of 0.5 m
 
     def noted(*given: Any, **more: Any) -> Any:
-        used.append(pieces.solve_by_pieces(*given, **more))
+        used.append(stretches.solve_by_stretches(*given, **more))
         return used[-1]
 
-    monkeypatch.setattr(rest, "solve_by_pieces", noted)
+    monkeypatch.setattr(rest, "solve_by_stretches", noted)
     parts = task_of(asked)
     other = ready(parts)[1]
     assert len(used) > 3
@@ -57,9 +57,9 @@ def test_what_far_away_is_felt_is_solved_for_at_once(monkeypatch: pytest.MonkeyP
     free, x, load = np.ones(nodes, dtype=np.bool_), np.arange(float(nodes)), -np.ones(nodes)
     free[[0, -1]] = False
     given = (K, rest.sparse.csr_matrix((0, nodes)), np.zeros(0), free, load, np.zeros(0), x)
-    monkeypatch.setattr(pieces, "_PIECE", 500)
-    monkeypatch.setattr(pieces, "_BESIDE", 100)
-    assert pieces.solve_by_pieces(*given) is None
+    monkeypatch.setattr(stretches, "_PIECE", 500)
+    monkeypatch.setattr(stretches, "_BESIDE", 100)
+    assert stretches.solve_by_stretches(*given) is None
     monkeypatch.setattr(rest, "AT_ONCE", 100)
     z = rest._solve(*given)[0]
     np.testing.assert_allclose(z, -0.5 * x * (x[-1] - x), rtol=1e-9, atol=1e-6)

@@ -23,7 +23,7 @@ _ROUNDS = 8
 _LEFT = 1e-12  # of what is given: nothing
 
 
-def solve_by_pieces(
+def solve_by_stretches(
     K: Any, C: Any, local: Array, free: NDArray[np.bool_], load: Array, gap: Array, x: Array, *, roughly: bool = False
 ) -> tuple[Array, Array] | None:
     """Solve K z = load + C' force, C z + local force = gap for free control points; None: that does not converge.
