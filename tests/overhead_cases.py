@@ -5,10 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
+from ropewalk.model import Scenario
 from ropewalk.model.overhead import OverheadLine
 from ropewalk.overhead.section import CONTACT, Section, section_of
+from ropewalk.results.contact_statistics import filtered, samples
 from ropewalk.wires.mesh import clamped_at
 from ropewalk.wires.plan import Spot
 from ropewalk.wires.rest import WiresAtRest, rest_of, rows
@@ -42,6 +45,43 @@ SIMPLE_AC: dict[str, Any] = {
     "element": 0.5,
 }
 """Benchmark of Bruni et al. (2015), with fewer spans."""
+
+
+DAMPED = {"drag": 0.0125, "retardation": "100 us"}  # as of the simple AC line
+
+
+def long_line(
+    spans: int, window: float | str | None, damping: dict[str, Any] | None = None, speed: float = 300.0, **changed: Any
+) -> Scenario:
+    """The reference model of so many spans at a speed in km/h, in a window in m, with links of 0.5 m."""
+    wires = {key: EN_2002[key] | (damping or {}) for key in ("contact_wire", "messenger_wire")}
+    own = {"spans": {"count": spans, "length": "60 m"}, "element": "0.5 m", "analysed_spans": None}
+    run = {"kind": "dynamic", "until": (60.0 * spans - 20.0) / (speed / 3.6), "every": 0.05, "window": window}
+    run |= changed.pop("run", {})
+    travel = {"speed": f"{speed} km/h", "from": "10 m"}
+    load = {"kind": "pantograph", "on": "line", "model": "en50318-2002", "travel": travel}
+    line, run = ({k: v for k, v in block.items() if v is not None} for block in (EN_2002 | wires | own | changed, run))
+    return Scenario.model_validate({"overhead_lines": {"line": line}, "loads": {"head": load}, "run": run})
+
+
+def force(result: xr.Dataset, first: float, last: float) -> np.ndarray:
+    """Filtered force between two stations in m."""
+    found = samples(result).isel(contact=0)
+    station = found.station.values
+    return filtered(found.force.values, 1e-3)[(station > first) & (station < last)]
+
+
+def off(a: xr.Dataset, b: xr.Dataset, first: float, last: float) -> dict[str, float]:
+    """By how much two runs differ: statistics of force in N, rms of its difference, largest uplift in mm."""
+    one, other = (force(result, first, last) for result in (a, b))
+    rise = [np.nanmax(result.sampled_uplift.values, axis=(0, 1))[1:-1] for result in (a, b)]
+    found = {
+        "mean": one.mean() - other.mean(), "sigma": one.std() - other.std(), "largest": one.max() - other.max(),
+        "smallest": one.min() - other.min(), "rms": np.sqrt(np.mean((one - other) ** 2)),
+        "uplift": 1e3 * float(np.abs(rise[0] - rise[1]).max()),
+    }  # fmt: skip
+    print({key: round(float(value), 3) for key, value in found.items()})
+    return {key: abs(float(value)) for key, value in found.items()}
 
 
 def formed(line: dict[str, Any], **changes: Any) -> Section:

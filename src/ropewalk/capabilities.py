@@ -17,6 +17,7 @@ from ropewalk.model.mass import MovingMass
 from ropewalk.model.missing import missing
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
+from ropewalk.model.quantity import AUTO
 from ropewalk.model.run import HIGH_ORDER, Dynamic, Equilibrium, Linear
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.train import Train, TrainSection
@@ -143,6 +144,7 @@ def unsupported(parts: Parts) -> Iterator[Finding]:
     engine = engine_of(parts)
     known = parts.is_complete and None not in parts.lines.values()
     yield from _window_with_all_geometry(engine, parts)
+    yield from _window_to_be_found(engine, parts)
     for found in (engine.motion if isinstance(parts.run, Dynamic | Linear) else engine.at_rest).unsupported(parts):
         a_rope = not (parts.is_network or parts.has_bending_stiffness or isinstance(parts.run, Linear))
         if known or not a_rope or found.path[0] != "run":  # a line not known may have bending stiffness
@@ -163,8 +165,25 @@ def _window_with_all_geometry(engine: Engine, parts: Parts) -> Iterator[Finding]
     elif any(line is not None and line.stitch_wire is not None for line in parts.overhead.values()):
         what = "overhead lines with stitch wires"
     if what:
-        given, remedy = f"{run.window:g} m", "write geometry: linearised, or leave window out"
+        given, remedy = run.written_window, "write geometry: linearised, or leave window out"
         yield missing(("run", "window"), what, given, remedy, feature="a window with geometry: nonlinear")
+
+
+def _window_to_be_found(engine: Engine, parts: Parts) -> Iterator[Finding]:
+    """The width of a window is found by moving what is there several times, from rest."""
+    run, what = parts.run, ""
+    if not isinstance(run, Dynamic) or not run.finds_window:
+        return
+    if not parts.overhead or parts.lines or parts.nets:
+        what = "all but overhead lines"
+    elif engine is not WIRES:
+        what = "overhead lines under such loads"
+    elif any(isinstance(load, ExternalModel) for load in parts.loads.values()):
+        what = "overhead lines under external models, which move but once"
+    elif not parts.loads:
+        what = "overhead lines without loads"
+    if what:
+        yield missing(("run", "window"), what, AUTO, "write a width, for example 180 m", feature="window: auto")
 
 
 def _of_rest(engine: Engine, scenario: Scenario, *, with_loads: bool) -> list[Finding]:

@@ -128,6 +128,9 @@ def task_of(scenario: Scenario) -> WireTask:
             "geometry": run.geometry, "inertia": run.axial_inertia,
             "window": run.window if run.window is not None else np.inf, "with_loads": run.start.with_loads,
         }  # fmt: skip
+        if run.finds_window:
+            longest = max(max(line.span_lengths) for line in scenario.overhead_lines.values())
+            more |= {"window": longest, "accuracy": run.precision}
         groups = {
             name: range(offsets[i], offsets[i] + len(s.plan.wires)) for i, (name, s) in enumerate(sections.items())
         }

@@ -12,54 +12,21 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from overhead_cases import EN_2002
+from overhead_cases import DAMPED, long_line, off
 from ropewalk.model import Scenario
-from ropewalk.results.contact_statistics import filtered, samples
 from ropewalk.results.frame import RunInfo
 from ropewalk.simulate import simulate
 from ropewalk.wires.frames import Wires
 from ropewalk.wiring import task_of
 
-DAMPED = {"drag": 0.0125, "retardation": "100 us"}  # as of the simple AC line
 HELD = {"messenger_supports": {"along": "held"}}
-
-
-def scenario(spans: int, window: float | None, damping: dict[str, Any] | None = None, **changed: Any) -> Scenario:
-    wires = {key: EN_2002[key] | (damping or {}) for key in ("contact_wire", "messenger_wire")}
-    own = {"spans": {"count": spans, "length": "60 m"}, "element": "0.5 m", "analysed_spans": None}
-    run = {"kind": "dynamic", "until": (60.0 * spans - 20.0) / (300.0 / 3.6), "every": 0.05, "window": window}
-    run |= changed.pop("run", {})
-    travel = {"speed": "300 km/h", "from": "10 m"}
-    load = {"kind": "pantograph", "on": "line", "model": "en50318-2002", "travel": travel}
-    line, run = ({k: v for k, v in block.items() if v is not None} for block in (EN_2002 | wires | own | changed, run))
-    return Scenario.model_validate({"overhead_lines": {"line": line}, "loads": {"head": load}, "run": run})
 
 
 @cache
 def ran(spans: int, window: float | None = None, *, damped: bool = False, held: bool = False) -> xr.Dataset:
-    found = simulate(scenario(spans, window, DAMPED if damped else None, **(HELD if held else {})))
+    found = simulate(long_line(spans, window, DAMPED if damped else None, **(HELD if held else {})))
     assert found.attrs["outcome"] == "completed"
     return found
-
-
-def force(result: xr.Dataset, first: float, last: float) -> np.ndarray:
-    """Filtered force between two stations in m."""
-    found = samples(result).isel(contact=0)
-    station = found.station.values
-    return filtered(found.force.values, 1e-3)[(station > first) & (station < last)]
-
-
-def off(a: xr.Dataset, b: xr.Dataset, first: float, last: float) -> dict[str, float]:
-    """By how much two runs differ: statistics of force in N, rms of its difference, largest uplift in mm."""
-    one, other = (force(result, first, last) for result in (a, b))
-    rise = [np.nanmax(result.sampled_uplift.values, axis=(0, 1))[1:-1] for result in (a, b)]
-    found = {
-        "mean": one.mean() - other.mean(), "sigma": one.std() - other.std(), "largest": one.max() - other.max(),
-        "smallest": one.min() - other.min(), "rms": np.sqrt(np.mean((one - other) ** 2)),
-        "uplift": 1e3 * float(np.abs(rise[0] - rise[1]).max()),
-    }  # fmt: skip
-    print({key: round(float(value), 3) for key, value in found.items()})
-    return {key: abs(float(value)) for key, value in found.items()}
 
 
 def test_ten_spans_are_as_without_a_window() -> None:
@@ -92,7 +59,7 @@ def test_a_messenger_that_is_held_at_its_supports_is_so_beyond_the_window() -> N
 
 def test_a_staggered_line_moves_sideways_in_its_window() -> None:
     asked = {"steady_arms": {"stagger": "200 mm", "mass": 1 / 3}}
-    whole, cut = (simulate(scenario(8, window, DAMPED, **asked)) for window in (None, 150.0))
+    whole, cut = (simulate(long_line(8, window, DAMPED, **asked)) for window in (None, 150.0))
     found = off(cut, whole, 120.0, 360.0)
     assert found["sigma"] < 0.2
     assert found["rms"] < 1.5
@@ -126,7 +93,7 @@ def test_far_from_the_pantograph_everything_rests() -> None:
 
 
 def test_a_run_goes_on_in_its_window() -> None:
-    asked = scenario(6, 90.0, run={"until": 2.0})
+    asked = long_line(6, 90.0, run={"until": 2.0})
     times = np.arange(0.0, 2.0, 0.05)
     first, second = (Wires(task_of(asked), times, RunInfo()) for _ in range(2))
     for i in range(24):
@@ -155,7 +122,7 @@ def test_it_says_when_waves_come_back() -> None:
 )
 def test_lines_whose_tensions_are_joined_far_away_are_refused(changed: dict[str, Any], said: str) -> None:
     with pytest.raises(ValueError, match=f"a window with geometry: nonlinear is not implemented for {said}"):
-        scenario(4, 60.0, **changed)
+        long_line(4, 60.0, **changed)
 
 
 def test_other_lines_are_refused() -> None:

@@ -241,6 +241,35 @@ class Auto(int):
     """A number that is yet to be found, written `auto`; whoever does not look for it takes it as it is."""
 
 
+class AutoLength(float):
+    """A length that is yet to be found, written `auto`; whoever does not look for it takes it as it is."""
+
+
+@dataclass(frozen=True)
+class LengthOrAuto:
+    """Annotation: a length above 0 in m, read from a number or from text with a unit, or `auto`, which is infinite."""
+
+    def read(self, value: object) -> float:
+        if value == AUTO or isinstance(value, AutoLength):
+            return AutoLength("inf")
+        try:
+            return Quantity("m", "positive").read(value)
+        except Refused as error:
+            raise Refused(error.wrong, f"{error.remedy}, or {AUTO}") from None
+
+    def write(self, value: float) -> str | float:
+        return AUTO if isinstance(value, AutoLength) else written(value, "m")
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(
+            self.read,
+            serialization=core_schema.plain_serializer_function_ser_schema(self.write, when_used="json-unless-none"),
+        )
+
+    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return {"anyOf": [Quantity("m", "positive").__get_pydantic_json_schema__(None, handler), {"enum": [AUTO]}]}
+
+
 @dataclass(frozen=True)
 class Count:
     """Annotation: a whole number between two bounds, or, where `auto` says which one stands for it, `auto`."""
@@ -313,6 +342,7 @@ Matrix = Annotated[tuple[tuple[float, ...], ...], Rows()]
 Offset = Annotated[float, Quantity("m", "not negative")]
 Width = Annotated[float, Quantity("m", "not negative")]
 PositiveLength = Annotated[float, Quantity("m", "positive")]
+PositiveLengthOrAuto = Annotated[float, LengthOrAuto()]
 PositiveTime = Annotated[float, Quantity("s", "positive")]
 PositiveForce = Annotated[float, Quantity("N", "positive")]
 PositiveMass = Annotated[float, Quantity("kg", "positive")]

@@ -9,7 +9,18 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from ropewalk.model._base import Declaration, Finding, Variants, report
-from ropewalk.model.quantity import Count, Direction, Factor, PositiveLength, PositiveTime, TableTime, TurnAngle
+from ropewalk.model.quantity import (
+    AUTO,
+    AutoLength,
+    Count,
+    Direction,
+    Factor,
+    PositiveLength,
+    PositiveLengthOrAuto,
+    PositiveTime,
+    TableTime,
+    TurnAngle,
+)
 from ropewalk.model.until import Until
 
 Geometry = Literal["nonlinear", "linearised"]
@@ -111,7 +122,8 @@ class Dynamic(Declaration):
         default=None,
         description="of ropes, and elsewhere with rkn6 and implicit: wanted accuracy in time of the positions "
         "(default: 1 mm, and with Verlet's method the largest stable step); with elements: auto, of anything: that "
-        "of the positions against the continuum",
+        "of the positions against the continuum; with window: auto, of heights under contacts beside the whole line, "
+        "root mean square",
     )
     mesh_error: bool = _MESH_ERROR
     start: Start = Field(default=Start(), description="the state at the beginning")
@@ -123,10 +135,10 @@ class Dynamic(Declaration):
     sample: PositiveTime | None = Field(
         default=None, description="interval at which contact forces on them are recorded (default: 1 ms)"
     )
-    window: PositiveLength | None = Field(
+    window: PositiveLengthOrAuto | None = Field(
         default=None,
         description="only this far around the contacts do they move, along lines and what is joined to them; with "
-        "linearised geometry, and with all geometry on overhead lines",
+        "linearised geometry, and with all geometry on overhead lines; auto finds out there how far, by accuracy",
     )
     axial_inertia: Factor = Field(
         default=1.0,
@@ -139,6 +151,16 @@ class Dynamic(Declaration):
         """Accuracy in time of the positions as given, or its default, m."""
         return ACCURACY if self.accuracy is None else self.accuracy
 
+    @property
+    def finds_window(self) -> bool:
+        """Whether the width of the window is yet to be found."""
+        return isinstance(self.window, AutoLength)
+
+    @property
+    def written_window(self) -> str:
+        """The window as it is given."""
+        return AUTO if self.finds_window else f"{self.window:g} m"
+
     @model_validator(mode="after")
     def _goes_together(self) -> Self:
         findings = []
@@ -150,6 +172,9 @@ class Dynamic(Declaration):
             findings.append(
                 Finding(("axial_inertia",), "goes with nonlinear geometry only", f"{self.axial_inertia:g}", remedy)
             )
+        if self.finds_window and self.mesh_error:
+            remedy = "write mesh_error: false, or the width of the window"
+            findings.append(Finding(("mesh_error",), "needs the same window on all meshes", "true", remedy))
         report("dynamic", findings)
         return self
 

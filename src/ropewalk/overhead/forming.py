@@ -118,7 +118,9 @@ def form_by_heights(task: FormFindingTask) -> Form:
         load = bare - task.plan.gravity * (at_low.T @ below + at_high.T @ atop)
         z, force = _shape(mesh, task, through, points, load)
         pull = force[: len(hangers)]
-        hung, lift = _shape(mesh, task, _some(level, above), wanted[above], load - at_high.T @ pull)
+        hung, lift = _shape(
+            mesh, task, _some(level, above), wanted[above], load - at_high.T @ pull, slice(mesh.of(0).stop, None)
+        )
         hung[mesh.of(0)] = z[mesh.of(0)]
         upright = at_high @ hung - at_low @ hung - pull * (1.0 / dropper.stiffness + low.local + high.local)
         _check(task, pull, upright)
@@ -161,10 +163,15 @@ def form_by_lengths(task: FormFindingTask, lengths: Array) -> Form:
     return form
 
 
-def _shape(mesh: Mesh, task: FormFindingTask, places: Places, heights: Array, load: Array) -> tuple[Array, Array]:
-    """Shape of wires led through heights, with links between stitch wires and messenger; and the forces it takes."""
+def _shape(
+    mesh: Mesh, task: FormFindingTask, places: Places, heights: Array, load: Array, wires: slice = slice(None)
+) -> tuple[Array, Array]:
+    """Shape of wires led through heights, with links between stitch wires and messenger; and the forces it takes.
+
+    Without such links each wire has its own; nodes of those that are asked for are `wires`.
+    """
     if not task.links:
-        return restrained_shape(mesh, places, heights, load)
+        return restrained_shape(mesh, places, heights, load, wires)
     A, stiff = _geometric(mesh, task.links)
     K = vertical_stiffness(mesh) + A.T @ sparse.diags(stiff) @ A
     C, free, chord = rows(places, mesh.nodes), moving(mesh), mesh.straight()[2]

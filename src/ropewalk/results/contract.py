@@ -263,6 +263,7 @@ def run_info_attributes(run_info: RunInfo) -> dict[str, Attribute]:
         "doubts": "\n".join(" ".join(str(doubt).split()) for doubt in run_info.doubts),
         "warnings": "\n".join(" ".join(warning.split()) for warning in run_info.warnings),
         **run_info.mesh,
+        **run_info.window,
         **({CURVATURE: run_info.curvature} if run_info.curvature else {}),
         **({STATIC: json.dumps(run_info.static)} if run_info.static else {}),
     }

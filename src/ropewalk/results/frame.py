@@ -190,6 +190,7 @@ class RunInfo:
     audit: str = ""  # why no energy audit is kept, if that is so
     doubts: list[Doubt] = field(default_factory=list)  # reasons not to trust the run
     mesh: dict[str, str | float] = field(default_factory=dict)  # attributes that tell of its error, if asked for
+    window: dict[str, float] = field(default_factory=dict)  # attributes that tell of its width and its error
     curvature: str = ""  # of bending: `SPLINE`, `MEAN`, or by second differences
     static: dict[str, dict[str, float]] = field(default_factory=dict)  # largest static values of lines, if asked for
 
@@ -201,12 +202,12 @@ class RunInfo:
     def get_state(self) -> Tree:
         """What has been noted so far, but for the outcome and the time taken."""
         doubts = [asdict(doubt) for doubt in self.doubts]
-        kept = {key: getattr(self, key) for key in ("method", "reason", "step", "steps", "audit")}
+        kept = {key: getattr(self, key) for key in ("method", "reason", "step", "steps", "audit", "window")}
         return {**kept, "warnings": list(self.warnings), "doubts": doubts}
 
     def set_state(self, tree: Tree) -> None:
         """Go on from there, whatever has been noted meanwhile."""
-        for key in ("method", "reason", "step", "steps", "audit"):
+        for key in ("method", "reason", "step", "steps", "audit", "window"):
             setattr(self, key, tree[key])
         self.warnings[:] = tree["warnings"]
         self.doubts[:] = [Doubt(**doubt) for doubt in tree["doubts"]]

@@ -280,7 +280,7 @@ def _in_a_window(parts: Parts) -> Iterator[Finding]:
     run = parts.run
     if not isinstance(run, Dynamic) or run.window is None:
         return
-    path, given, remedy = ("run", "window"), f"{run.window:g} m", "leave window out"
+    path, given, remedy = ("run", "window"), run.written_window, "leave window out"
     if parts.nets:
         yield Finding(path, "a window is measured along lines, and a net has none", given, remedy)
     if run.start.kind != "rest":

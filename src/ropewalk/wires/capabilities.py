@@ -77,9 +77,12 @@ def _of_the_run(parts: Parts) -> Iterator[Finding]:
     run, own = parts.run, {name: load for name, load in parts.loads.items() if isinstance(load, ExternalModel)}
     if not isinstance(run, Dynamic):
         return
+    if run.accuracy is not None and not run.finds_window:
+        remedy = "write step, or window: auto" if parts.overhead else "write step, or leave accuracy out"
+        yield missing(("run", "accuracy"), _BEAMS, f"{run.accuracy:g} m", remedy)
     if run.window is not None and run.start.kind != "rest":  # which moves what is far from the contacts, too
         feature, remedy = f"a window with start.kind: {run.start.kind}", "leave window out, or start at rest"
-        yield missing(("run", "window"), _BEAMS, f"{run.window:g} m", remedy, feature=feature)
+        yield missing(("run", "window"), _BEAMS, run.written_window, remedy, feature=feature)
     if (every := every_of(run)) > _LONGEST:
         what = "is too long: contact forces of every millisecond in between are kept"
         yield Finding(("run", "every"), what, f"{every:g} s", f"write {_LONGEST:g} s or less")
@@ -95,10 +98,10 @@ def _on_inner_supports(parts: Parts) -> Iterator[Finding]:
 
     A window that comes to a rigid one or leaves it does not keep the energy.
     """
-    window = parts.run.window if isinstance(parts.run, Dynamic) else None
-    if parts.is_supported and window is not None:
+    run = parts.run
+    if parts.is_supported and isinstance(run, Dynamic) and run.window is not None:
         feature, remedy = "a window on lines with inner supports", "leave window out"
-        yield missing(("run", "window"), _BEAMS, f"{window:g} m", remedy, feature=feature)
+        yield missing(("run", "window"), _BEAMS, run.written_window, remedy, feature=feature)
     for name, line in parts.lines.items():
         for key, support in line.supports.items() if line is not None else ():
             if mass := getattr(support, "mass", 0.0):
@@ -112,7 +115,6 @@ MOTION = Capabilities(
     only={
         "run.method": ("auto", "explicit", "verlet"),  # Störmer's is Verlet's
         "run.start.whirl": (False,),
-        "run.accuracy": (None,),
         "lines.law.kind": ("hooke",),
         "lines.axial_damping": (0.0,),
         "loads.kind": (*_AT_REST, "stepper", "fmu"),
@@ -125,7 +127,6 @@ MOTION = Capabilities(
         "loads.air_drag": (0.0,),
     },
     instead={
-        "run.accuracy": "write step, or leave accuracy out",
         "lines.law.kind": "leave law out",
         "lines.axial_damping": "leave it out, or use drag",
         "loads.travel.kind": "give a speed",
@@ -143,6 +144,6 @@ MOTION = Capabilities(
 AT_REST = replace(
     MOTION,
     what="beams, lines on foundations and overhead lines at rest or quasi-static",
-    only={**MOTION.only, "loads.kind": _AT_REST},
+    only={**MOTION.only, "run.accuracy": (None,), "loads.kind": _AT_REST},
     instead={**MOTION.instead, "loads.kind": "ask for kind: dynamic, or write kind: force with its weight as force"},
 )

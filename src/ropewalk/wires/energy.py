@@ -103,9 +103,13 @@ class Energies:
 
     def of(self, then: Then) -> Array:
         """Those of some instants, (instant, form) in the order of ENERGY_FORMS, J."""
-        motion, velocity, work = self._motion, self._motion.seen(then.both)[1], then.work.T
-        along = np.array([motion.inertia if isinstance(motion, LargeMotion) else 1.0, 1.0, 1.0])
-        kinetic = 0.5 * summed(self._mesh.mass * (along[:, None] * velocity**2))
+        motion, work = self._motion, then.work.T
+        if isinstance(motion, LargeMotion):
+            along = np.array([motion.inertia, 1.0, 1.0])
+            kinetic = 0.5 * summed(self._mesh.mass * (along[:, None] * motion.seen(then.both)[1] ** 2))
+        else:
+            rate = (then.both[:, 0] - then.both[:, 1]) / motion.stepping.step
+            kinetic = 0.5 * summed(self._mesh.mass * rate**2)
         elastic, gravitational = self._stored(then)
         moving, potential = self._of_moving_loads(then)
         squeezed, given, restrained, taken = self._at_contacts(then)

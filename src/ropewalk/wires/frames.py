@@ -34,6 +34,7 @@ from ropewalk.wires.small import SmallMotion
 from ropewalk.wires.stability import largest_step, largest_step_along
 from ropewalk.wires.step_inputs import ON_WIRE, Record, StepInputs
 from ropewalk.wires.task import WireTask, ready
+from ropewalk.wires.window_error import WindowMeasure, returns_after
 
 SAMPLE = 1e-3  # s, interval of samples where none is asked for
 _AHEAD = 256  # rows of what is given that are found at once
@@ -141,9 +142,10 @@ class Wires:
         elif begun is not None:
             assert isinstance(self.motion, SmallMotion)
             self.motion.begin(begun[0][2] - self.motion.level, begun[1][2])
-        if np.isfinite(task.window):
-            run_info.reason += f"; {task.window:g} m around contacts move, {self._comes_back()}"
         self.motion.stepping.last[:] -= run_info.step * self._first("rate")
+        self._width = task.window  # m
+        if np.isfinite(task.window):
+            self._open_window()
         # Contacts and wires that have been doubted.
         self._steep, self._pushed, self._left = set[str](), set[str](), set[str]()
         self._partners = [self._partner(*pair) for pair in zip(task.external_models, self.cosimulation, strict=True)]
@@ -169,7 +171,7 @@ class Wires:
             RopewalkError: a load is an external model that gives no state.
         """
         return {
-            "motion": self.motion.get_state(), **self._pictures.get_state(),
+            "motion": self.motion.get_state(), "width": self._width, **self._pictures.get_state(),
             "partners": [partner.get_state() for partner in self._partners],
             "stations": self._stations.copy(), "before": copied(arrays_of(self._before)),
             "steep": sorted(self._steep), "pushed": sorted(self._pushed),
@@ -178,6 +180,9 @@ class Wires:
 
     def set_state(self, tree: Tree) -> None:
         """Go on from there."""
+        if tree["width"] != self._width:  # found for a run of another length
+            self._width = tree["width"]
+            self.motion.set_window(self._width)
         self.motion.set_state(tree["motion"])
         self._pictures.set_state(tree)
         for partner, own in zip(self._partners, tree["partners"], strict=True):
@@ -185,15 +190,35 @@ class Wires:
         put({"stations": self._stations} | arrays_of(self._before), {"stations": tree["stations"]} | tree["before"])
         self._steep, self._pushed, self._left = (set(tree[key]) for key in ("steep", "pushed", "left"))
 
-    def _comes_back(self) -> str:
-        """When waves across wires come back to a load from the borders of the window, at the earliest."""
-        s, end = self.mesh.strands, np.array([0.0, self.times[-1]])
-        c, first = float(np.sqrt(np.maximum(s.tension, 0.0) / s.rho).max()), np.inf
-        for prescribed_motion in self.task.prescribed_motions:
-            v = abs(float(np.diff(prescribed_motion.place(end))[0])) / max(float(end[1]), 1e-300)
-            if v < c:  # W / (c - v) to the border that the load goes towards, W / (c + v) back; as long the other way
-                first = min(first, 2.0 * self.task.window * c / (c**2 - v**2))
-        return f"from whose borders waves come back after {first:.3g} s" if np.isfinite(first) else "no wave comes back"
+    def _open_window(self) -> None:
+        """Let only what is around contacts move; find how wide that must be, if it is asked for, and its error."""
+        task, run_info, until = self.task, self.run_info, float(self.times[-1])
+        end, s = np.array([0.0, until]), self.mesh.strands
+        speeds = [abs(float(np.diff(own.place(end))[0])) / max(until, 1e-300) for own in task.prescribed_motions]
+        c = float(np.sqrt(np.maximum(s.tension, 0.0) / s.rho).max())
+        returns = returns_after(c, speeds)
+        width, error = task.window, None
+        if not task.external_models and task.prescribed_motions:
+            measure = WindowMeasure(
+                self.motion, self._inputs, self.sample, self.rows, self.steps, until, returns, max(speeds)
+            )
+            if task.accuracy is None:
+                error = measure.of(width)
+            else:
+                width, error = measure.enough(width, task.accuracy, float((s.h * s.links).max()))
+            self._width = width
+            self.motion.set_window(width)
+        back = "no wave comes back"
+        if np.isfinite(returns):
+            back = f"from whose borders waves come back after {width * returns:.3g} s"
+        moves = f"{width:g} m around contacts move, {back}" if np.isfinite(width) else "all moves"
+        run_info.reason += f"; {moves}"
+        if error is not None:
+            run_info.window = {"window": width, "window_height_error": error.height, "window_force_error": error.force}
+            run_info.reason += (
+                f"; beside the whole line this is estimated to miss {1e3 * error.height:.2g} mm under contacts, "
+                f"and {error.force:.2g} N of their forces up to 20 Hz, rms"
+            )
 
     def _doubt_sag(self, rest: WiresAtRest) -> None:
         """Small motion is about a rest that is nearly straight: nothing that sags stretches there."""

@@ -303,7 +303,7 @@ def advance(strands, threads, link_springs, holders, window, still, watched, mov
                     if np.isinf(moving_loads.spring[k]):
                         _join(strands, threads, moving_loads, stepping, other, inputs, record, row, step, steps, k, w)
             settle_accounts(moving_loads, stepping)
-            absorb(strands, window, threads.mass[axes - 1], now, other, 1, dt, stepping.step, stepping.work)
+            absorb(strands, window, threads.mass[axes - 1], now, other, 1, dt, stepping.step, stepping.work, 1)
             follow_waves(window, still, now, other, dt, stepping.work)
             gone = row * steps + step
             now, other = other, now
@@ -362,14 +362,20 @@ class LargeMotion(Changing):
         self._slope[1::2] = (straight[:, ends - 1] - straight[:, ends]).T
         self._r = [np.ascontiguousarray(position[axes]) for _ in range(2)]  # now, a step before
         self._side = position[1].copy()
-        self.window = Following(
-            mesh, position[axes], window, step / inner, inertia, self.link_springs, self.holders, self.watched
-        )
+        self._still, self._of_holds = position[axes], hold_at_rest
+        self.set_window(window)
         self._buffers = np.zeros(mesh.nodes), np.zeros(mesh.nodes)
         self.tie_at_rest = self.link_springs.rest
-        self.hold_at_rest = mesh.holds.force if hold_at_rest is None or self.window.is_whole else hold_at_rest
         self._w = np.zeros((3, WIDTH))
         self._advance: Callable[..., object] | None = None
+
+    def set_window(self, window: float) -> None:
+        """Let only what is so far around the contacts move from now on, m; everything if infinite."""
+        step = self.stepping.step / self.inner
+        self.window = Following(
+            self.mesh, self._still, window, step, self.inertia, self.link_springs, self.holders, self.watched
+        )
+        self.hold_at_rest = self.mesh.holds.force if self._of_holds is None or self.window.is_whole else self._of_holds
 
     def begin(self, position: Array, velocity: Array) -> None:
         """Go on from positions in m and velocities of half an inner step before in m/s, (3, node)."""

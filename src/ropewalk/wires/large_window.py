@@ -34,8 +34,8 @@ class LargeWindow(NamedTuple):
 
     low: Integers  # (wire,) first node that does, counted in the wire
     high: Integers  # (wire,) one beyond the last
-    layer: Integers  # (wire,) nodes of the layers that take up waves across, and
-    rate: Array  # (wire,) 1/s, at which they do so at most
+    layer: Integers  # (wire,) nodes of each of the layers that take up waves across, and
+    rate: Array  # (wire, side, node) 1/s, at which they do so
     slow: Integers  # ties that push once in a step
     fast: Integers  # ties along the wires
     rigid: tuple[int, int]  # holders that hold fast: the first, and one beyond the last

@@ -16,6 +16,7 @@ from ropewalk.wires.bending import fourth_order
 from ropewalk.wires.mesh import Mesh, Places, WireRuns, per_length
 from ropewalk.wires.plan import Array
 from ropewalk.wires.spline import WIDTH
+from ropewalk.wires.stretches import AT_ONCE, solve_by_stretches
 
 _MOST_STEPS = 60
 # Heights are found to this part of the longest wire; forces follow from them.
@@ -38,31 +39,45 @@ class WiresAtRest:
 
 def vertical_stiffness(mesh: Mesh) -> sparse.csr_matrix:
     """Stiffness of all wires against vertical displacements, (node, node) N/m, without what is attached."""
-    s, taut, tension = mesh.strands, [], mesh.tension
-    for a, (n, h) in enumerate(zip(s.links, s.h, strict=True)):
-        one = np.ones(n + 1)
-        slope = sparse.diags([-one, one], [0, 1], shape=(n, n + 1))
-        taut.append(slope.T @ sparse.diags(tension[mesh.of(a)][:-1] / h) @ slope)
-    return sparse.csr_matrix(sparse.block_diag(taut) + bending_stiffness(mesh) + sparse.diags(beds(mesh)))
+    s, tension, bent, bed, blocks = mesh.strands, mesh.tension, with_tension(mesh.strands), beds(mesh), []
+    for a, h in enumerate(s.h):
+        part, pull = mesh.of(a), tension[mesh.of(a)][:-1] / h
+        whole = np.append(pull, 0.0) + np.append(0.0, pull)
+        taut = sparse.diags([-pull, whole, -pull], [-1, 0, 1], format="csr")
+        blocks.append(taut + _bending(s, a, float(bent[a])) + sparse.diags(bed[part], format="csr"))
+    return _side_by_side(blocks)
 
 
 def bending_stiffness(mesh: Mesh) -> sparse.csr_matrix:
     """The part of bending, of any one component, clamped ends included."""
-    blocks, bent = [], with_tension(mesh.strands)
-    for w, n in enumerate(mesh.strands.links):
-        h, EI, one = mesh.strands.h[w], bent[w], np.ones(n + 1)
-        if mesh.strands.fourth[w]:
-            start, end = mesh.strands.clamped[w]
-            blocks.append(EI / h**3 * fourth_order(int(n), (bool(start), bool(end))))
-            continue
-        curved = sparse.diags([one, -2.0 * one, one], [0, 1, 2], shape=(n - 1, n + 1))
-        block = EI / h**3 * (curved.T @ curved)
-        for side, (i, j) in enumerate(((0, 1), (n, n - 1))):
-            if mesh.strands.clamped[w, side]:
-                turn = sparse.csr_matrix(([-1.0, 1.0], ([0, 0], [i, j])), shape=(1, n + 1))
-                block = block + 2.0 * EI / h**3 * (turn.T @ turn)
-        blocks.append(block)
-    return sparse.block_diag(blocks, format="csr")
+    bent = with_tension(mesh.strands)
+    return _side_by_side([_bending(mesh.strands, a, float(EI)) for a, EI in enumerate(bent)])
+
+
+def _bending(strands: WireRuns, a: int, EI: float) -> sparse.csr_matrix:
+    """That of wire a with a bending stiffness in N m^2."""
+    n, h, (start, end) = int(strands.links[a]), float(strands.h[a]), strands.clamped[a]
+    if strands.fourth[a]:
+        return sparse.csr_matrix(EI / h**3 * fourth_order(n, (bool(start), bool(end))))
+    one = np.ones(n + 1)
+    curved = sparse.diags([one, -2.0 * one, one], [0, 1, 2], shape=(n - 1, n + 1))
+    block = EI / h**3 * (curved.T @ curved)
+    for clamped, i, j in ((start, 0, 1), (end, n, n - 1)):
+        if clamped:
+            turn = sparse.csr_matrix(([-1.0, 1.0], ([0, 0], [i, j])), shape=(1, n + 1))
+            block = block + 2.0 * EI / h**3 * (turn.T @ turn)
+    return sparse.csr_matrix(block)
+
+
+def _side_by_side(blocks: list[sparse.csr_matrix]) -> sparse.csr_matrix:
+    """Blocks along a diagonal; `scipy.sparse.block_diag` takes three times the memory on its way."""
+    sizes = np.cumsum([0, *(block.shape[0] for block in blocks)])
+    counts = np.cumsum([0, *(block.nnz for block in blocks)])
+    indices = np.concatenate([block.indices + i for block, i in zip(blocks, sizes[:-1].astype(np.int32), strict=True)])
+    first = [block.indptr[:-1] + i for block, i in zip(blocks, counts[:-1].astype(np.int32), strict=True)]
+    data = np.concatenate([block.data for block in blocks])
+    nodes = int(sizes[-1])
+    return sparse.csr_matrix((data, indices, np.append(np.concatenate(first), counts[-1])), shape=(nodes, nodes))
 
 
 def with_tension(strands: WireRuns) -> Array:
@@ -107,23 +122,37 @@ def moving(mesh: Mesh) -> NDArray[np.bool_]:
     return free
 
 
-def restrained_shape(mesh: Mesh, places: Places, heights: Array, load: Array) -> tuple[Array, Array]:
+def restrained_shape(
+    mesh: Mesh, places: Places, heights: Array, load: Array, wires: slice = slice(None)
+) -> tuple[Array, Array]:
     """Heights of all control points of wires that go through given heights, and the forces upwards that it takes.
 
     Args:
         places: points of the wires.
         heights: (point,) m.
         load: (node,) N upwards on the control points.
+        wires: nodes of those that are asked for; others stay straight.
     """
     K, C = vertical_stiffness(mesh), rows(places, mesh.nodes)
-    free, chord = moving(mesh), mesh.straight()[2]
-    z, force = _solve(K, C, places.local, free, load - K @ chord + beds(mesh) * chord, heights - C @ chord)
+    free, chord = np.zeros(mesh.nodes, dtype=np.bool_), mesh.straight()[2]
+    free[wires] = moving(mesh)[wires]
+    out = load - K @ chord + beds(mesh) * chord
+    z, force = _solve(K, C, places.local, free, out, heights - C @ chord, mesh.straight()[0])
     return chord + z, force
 
 
-def _solve(K: Any, C: Any, local: Array, free: NDArray[np.bool_], load: Array, gap: Array) -> tuple[Array, Array]:
-    """Solve K z = load + C' force, C z + local force = gap for the free control points."""
+def _solve(
+    K: Any, C: Any, local: Array, free: NDArray[np.bool_], load: Array, gap: Array, x: Array, *, roughly: bool = False
+) -> tuple[Array, Array]:
+    """Solve K z = load + C' force, C z + local force = gap for the free control points, x in m along the line.
+
+    Long lines are solved piece by piece, `roughly` if a first guess is enough.
+    """
     z, k = np.zeros(free.size), C.shape[0]
+    if free.size > AT_ONCE:
+        parts = solve_by_stretches(K, C, local, free, load, gap, x, roughly=roughly)
+        if parts is not None:
+            return parts
     A, B = K[free][:, free], C[:, free]
     system = sparse.bmat([[A, -B.T], [B, sparse.diags(local)]], format="csc") if k else sparse.csc_matrix(A)
     with warnings.catch_warnings():
@@ -143,7 +172,7 @@ def rest_of(mesh: Mesh) -> WiresAtRest:
     """
     free, K = moving(mesh), vertical_stiffness(mesh)
     chord, position = mesh.straight()[2], mesh.led(mesh.straight())
-    z = position[2].copy()
+    z, x = position[2].copy(), position[0]
     ties, holds = mesh.ties, mesh.holds
     A = rows(ties.other, mesh.nodes) - rows(ties.one, mesh.nodes)
     grounded = np.isfinite(ties.ground)
@@ -156,8 +185,8 @@ def rest_of(mesh: Mesh) -> WiresAtRest:
     size = float(mesh.strands.h @ mesh.strands.links)
     constraint, local, level = H[fast], holds.at.local[fast], holds.place[fast, 2]
     hanging = rows(ties.one, mesh.nodes)[ties.lengthwise]
-    first = K + _SOFT * (hanging.T @ hanging)
-    z += _solve(first, constraint, local, free, load - K @ z, level - constraint @ z)[0]
+    softly = _SOFT * (hanging.T @ hanging)
+    z += _solve(K + softly, constraint, local, free, load - K @ z, level - constraint @ z, x, roughly=True)[0]
     pull, slack = ties_springs(mesh)
     for _ in range(_MOST_STEPS):
         rise = A @ z + ground
@@ -169,7 +198,7 @@ def rest_of(mesh: Mesh) -> WiresAtRest:
         tangent = k * way[:, 2] ** 2 + force / reach * (1.0 - way[:, 2] ** 2)
         out = load - K @ z - A.T @ (force * way[:, 2])
         step, restrained = _solve(
-            K + A.T @ sparse.diags(tangent) @ A, constraint, local, free, out, level - constraint @ z
+            K + A.T @ sparse.diags(tangent) @ A, constraint, local, free, out, level - constraint @ z, x
         )
         z = z + step
         if np.abs(step).max() <= _CLOSE * size or not ties.length.size:  # without ties one step leads there

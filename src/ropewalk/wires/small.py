@@ -13,6 +13,7 @@ import numpy as np
 from ropewalk.checkpoint import Arrays, Changing, arrays_of
 from ropewalk.mechanics.compiled import entry_of, inlined, lean, lean_inner
 from ropewalk.mechanics.notes import Notes, numbers_of, write_note
+from ropewalk.wires.absorbing_layer import absorb, layers
 from ropewalk.wires.damping import EVERY
 from ropewalk.wires.mesh import Mesh, MovingLoads, Places, places_of
 from ropewalk.wires.moving_loads import (
@@ -133,6 +134,9 @@ def _advance_rows(strands, stencil, springs, holders, window, watched, moving_lo
             advance_moving_loads(moving_loads, stepping)
             restrain(holders, window.elastic[0], window.elastic[1], here, ahead, gain, stepping.step, stepping.work,
                      record.hold, row, step == 0)  # fmt: skip
+            gone = row * steps + step
+            count = min(every, whole - gone) if gone % every == 0 else 0  # steps whose losses are looked at here
+            absorb(strands, window, stencil.mass, here, ahead, 0, stepping.step, stepping.step, stepping.work, count)
             for sweep in range(sweeps):
                 _constraint(holders, window, here, ahead, gain, stepping.work, record, row, step, sweep == 0)
                 for k in range(moving_loads.owner.size):
@@ -152,11 +156,11 @@ def _advance_rows(strands, stencil, springs, holders, window, watched, moving_lo
                             k,
                             w,
                         )
+            _stand(strands, window, now, other)
             settle_accounts(moving_loads, stepping)
-            gone = row * steps + step
-            if stencil.damped and gone % every == 0:
+            if stencil.damped and count > 0:
                 lost = losses(strands, stencil, window, now, other, buffers, stepping.step)
-                stepping.work[DAMPED] += min(every, whole - gone) * lost
+                stepping.work[DAMPED] += count * lost
             now, other = other, now
             here, ahead = ahead, here
 
@@ -166,6 +170,20 @@ def _look(watched, window, now, found, row):
     for e in range(window.watched[0], window.watched[1]):
         for k in range(WIDTH):
             found[watched.number[e], row] += watched.weight[e, k] * now[watched.base[e] + k]
+
+
+@inlined
+def _stand(strands, window, now, other):
+    """Let nodes beyond the borders of the window stand still, whatever ties and holds did to them."""
+    for a in range(strands.first.size):
+        if window.low[a] >= window.high[a]:
+            continue
+        first, n = strands.first[a], window.beyond[a]
+        low, high, end = first + window.low[a], first + window.high[a], first + strands.links[a] + 1
+        for i in range(max(low - n, first), low):
+            other[i] = now[i]
+        for i in range(high, min(high + n, end)):
+            other[i] = now[i]
 
 
 @inlined
@@ -255,7 +273,7 @@ class SmallMotion(Changing):
     def __init__(
         self, mesh: Mesh, rest: WiresAtRest, moving_loads: MovingLoads, step: float, q: Array, window: float = np.inf
     ) -> None:
-        self.mesh, self.rest, self.moving_loads, self.window = mesh, rest, moving_loads, window
+        self.mesh, self.rest, self.moving_loads, strands = mesh, rest, moving_loads, mesh.strands
         self.stencil = stencil_of(mesh, step)
         self.stepping = stepping_of(moving_loads, step, q, np.zeros(moving_loads.owner.size))
         springs = springs_of(mesh, rest)
@@ -277,8 +295,17 @@ class SmallMotion(Changing):
         fast, count = self.holders.fast, self.holders.x.size
         whole = (0, self.springs.x.size), (0, fast), (fast, count), (0, self._watched.x.size)
         laden = np.stack([self.stencil.first[:-1], self.stencil.first[1:]], axis=1)
-        self._whole = WireWindow(np.zeros_like(mesh.strands.links), mesh.strands.links + 1, laden, *whole)
+        self._beyond = np.ceil(WIDTH * (strands.h.max() / strands.h + 1.0)).astype(np.int64)
+        self._whole = WireWindow(
+            np.zeros_like(strands.links), strands.links + 1, *layers(mesh, np.inf), self._beyond, laden, *whole
+        )
+        self.set_window(window)
         self._advance: Callable[..., object] | None = None
+
+    def set_window(self, window: float) -> None:
+        """Let only what is so far around the contacts move from now on, m; everything if infinite."""
+        self.window, self._layers = window, layers(self.mesh, window)
+        self._low, self._high = self._whole.low, self._whole.high  # what moved last
 
     def begin(self, u: Array, velocity: Array) -> None:
         """Go on from displacements in m and velocities of half a step before in m/s, (node,) upwards."""
@@ -388,18 +415,34 @@ class SmallMotion(Changing):
         strands, on = self.mesh.strands, inputs.where == ON_WIRE
         station = x_of(self.mesh, np.broadcast_to(self.moving_loads.wire, on.shape)[on], inputs.station[on])
         if station.size == 0:
+            self._low, self._high = self._whole.low, self._whole.high
             return self._whole
         begin, end, edge = station.min() - self.window, station.max() + self.window, WIDTH * strands.h.max()
         each = strands.across[:, 1] * strands.h  # x of a link
         low = np.clip(np.floor((begin - strands.across[:, 0]) / each), 0, strands.links).astype(np.int64)
         high = np.clip(np.ceil((end - strands.across[:, 0]) / each), 0, strands.links + 1).astype(np.int64)
         high = np.maximum(low, high)
+        self._stop(low, high)
         fast, x = self.holders.fast, self.holders.x
-        parts = [
-            (first + int(np.searchsorted(x, begin + edge)), first + int(np.searchsorted(x, end - edge)))
-            for x, first in ((self.springs.x, 0), (x[:fast], 0), (x[fast:], fast), (self._watched.x, 0))
+        parts = [  # all that shares a node which moves, and watched points that share no other
+            (first + int(np.searchsorted(x, begin - edge)), first + int(np.searchsorted(x, end + edge)))
+            for x, first in ((self.springs.x, 0), (x[:fast], 0), (x[fast:], fast))
         ]
-        return WireWindow(low, high, self._laden(low, high), *parts)
+        seen = self._watched.x
+        parts.append((int(np.searchsorted(seen, begin + edge)), int(np.searchsorted(seen, end - edge))))
+        return WireWindow(low, high, *self._layers, self._beyond, self._laden(low, high), *parts)
+
+    def _stop(self, low: Integers, high: Integers) -> None:
+        """Let what the window leaves, as it begins to move nodes from low to high of each wire, stand still."""
+        now, last = self._u
+        for a, first in enumerate(self.mesh.strands.first):
+            begin, end = self._low[a], self._high[a]
+            for part in slice(first + begin, first + min(end, low[a])), slice(first + max(begin, high[a]), first + end):
+                if part.stop > part.start:
+                    rate = (now[part] - last[part]) / self.stepping.step
+                    self.stepping.work[DAMPED] += 0.5 * float((self.stencil.mass[part] * rate**2).sum())  # lost
+                    last[part] = now[part]
+        self._low, self._high = low, high
 
     def _laden(self, low: Integers, high: Integers) -> Integers:
         """Which of the laden nodes of each wire lie between two of its nodes."""

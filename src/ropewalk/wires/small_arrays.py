@@ -51,6 +51,9 @@ class WireWindow(NamedTuple):
 
     low: Integers  # (wire,) control points, counted in the wire
     high: Integers  # (wire,)
+    layer: Integers  # (wire,) nodes of the layers that take up waves, and
+    rate: Array  # (wire, side, node) 1/s, at which they do so
+    beyond: Integers  # (wire,) nodes beyond a border that what acts near it may share; they stand still
     laden: Integers  # (wire, 2)
     springs: tuple[int, int]
     fast: tuple[int, int]  # holders, those that hold fast, and

@@ -49,7 +49,8 @@ class WireTask:
     displayed: tuple[Displayed, ...] = ()
     element: float | list[int] = 0.25  # m, or the number of links of each wire
     geometry: Geometry = "nonlinear"
-    window: float = np.inf  # m on both sides of the contacts, beyond which nothing moves; linearised only
+    window: float = np.inf  # m on both sides of the contacts, beyond which nothing moves
+    accuracy: float | None = None  # m, of the height under contacts: the window becomes as wide as that takes
     inertia: float = 1.0  # factor on the mass along x; nonlinear only
     space: bool = False  # whether anything moves sideways
     external_models: tuple[WireExternalModel, ...] = ()  # who of the prescribed motions are external models
@@ -154,18 +155,23 @@ def _linearised(task: WireTask) -> WireStart:
                 f"{hold.name} moves along x, and small motion has constant tensions: write geometry: nonlinear"
             )
     mesh = mesh_of(task.plan, task.element, small=True)
-    holds, free = mesh.holds, moving(mesh)
-    at, stiff = rows(holds.at, mesh.nodes), spring(holds.stiffness[:, 2], holds.at.local)
-    K = vertical_stiffness(mesh) + at.T @ sparse.diags(stiff) @ at
     for i, wire in enumerate(task.plan.wires):
-        own = np.arange(mesh.nodes)[mesh.of(i)][free[mesh.of(i)]]
-        if wire.tension < 0.0 and not is_definite(K[own][:, own].tocsc()):
+        if wire.tension < 0.0 and not _bears(mesh, i):
             raise EquilibriumError(
                 f"{wire.name} buckles under its compression of {-wire.tension:.4g} N, and small motion is about a "
                 "straight line: write geometry: nonlinear, or give tension"
             )
     rest = rest_of(mesh)
     return WireStart(mesh, rest.position, hung(mesh, rest.position), rest)
+
+
+def _bears(mesh: Mesh, wire: int) -> bool:
+    """Whether a wire bears its compression without buckling."""
+    holds = mesh.holds
+    at, stiff = rows(holds.at, mesh.nodes), spring(holds.stiffness[:, 2], holds.at.local)
+    K = vertical_stiffness(mesh) + at.T @ sparse.diags(stiff) @ at
+    own = np.arange(mesh.nodes)[mesh.of(wire)][moving(mesh)[mesh.of(wire)]]
+    return bool(is_definite(K[own][:, own].tocsc()))
 
 
 def _nonlinear(task: WireTask) -> WireStart:
