@@ -64,7 +64,7 @@ def said(*settings: str) -> str:
             [f"{LOAD}irregularity: the file cannot be read", "missing.csv (No such file or directory)",
              "name a text file beside the scenario"],
         ),
-        (["run.method=implicit"], ["overhead lines, given implicit; write auto or explicit"]),
+        (["run.method=implicit"], ["overhead lines, given implicit; write auto, explicit or verlet"]),
         (
             ["run.window=100 m", "run.geometry=nonlinear",
              f"{LINE}stitch_wire={{length: 12 m, tension: 2 kN}}"],

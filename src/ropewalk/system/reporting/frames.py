@@ -78,7 +78,8 @@ class SystemNote(NamedTuple):
     @staticmethod
     def of(state: SystemState, buffers: Buffers, contacts: Any, bodies: BodyArrays, elastic: float) -> SystemNote:
         """What is known now, of one instant."""
-        sources = SystemNote.sources(state, buffers, contacts, bodies, np.array([elastic]))
+        there = SystemNote.sources(state, buffers, contacts, bodies, np.array([elastic]))
+        sources = [np.ascontiguousarray(array) for array in there]  # what is superposed is no array of its own
         notes = Notes.empty(numbers_of(sources), 1)
         notes.add()
         return SystemNote.together([notes], sources)
