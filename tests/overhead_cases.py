@@ -12,9 +12,12 @@ from ropewalk.model import Scenario
 from ropewalk.model.overhead import OverheadLine
 from ropewalk.overhead.section import CONTACT, Section, section_of
 from ropewalk.results.contact_statistics import filtered, samples
+from ropewalk.results.frame import RunInfo
+from ropewalk.wires.frames import Wires
 from ropewalk.wires.mesh import clamped_at
 from ropewalk.wires.plan import Spot
 from ropewalk.wires.rest import WiresAtRest, rest_of, rows
+from ropewalk.wiring import task_of
 
 EN_2002: dict[str, Any] = {
     "spans": {"count": 10, "length": "60 m"},
@@ -106,3 +109,16 @@ def rested(section: Section) -> tuple[WiresAtRest, NDArray[np.float64]]:
     for hold in weights:
         pull[section.stations.size :][np.isclose(section.supports[1:-1], hold.spot.station)] += hold.force[2]
     return rest, rows(at, mesh.nodes) @ rest.position[2] + at.local * pull
+
+
+def runs_that_go_on(asked: Scenario) -> tuple[Wires, Wires]:
+    """A motion after 36 output instants of 0.05 s, and another one that took it up from its 24th."""
+    times = np.arange(0.0, 2.0, 0.05)
+    first, second = (Wires(task_of(asked), times, RunInfo()) for _ in range(2))
+    for i in range(24):
+        first.advance(i)
+    second.set_state(first.get_state())
+    for i in range(24, 36):
+        first.advance(i)
+        second.advance(i)
+    return first, second

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
 import numpy as np
+import pytest
+import xarray as xr
 
+from ropewalk.capabilities import Engine
 from ropewalk.model import Linear, Scenario
 from ropewalk.model.run import every_of
 from ropewalk.results.frame import ENERGY_FORMS, Frame, RunInfo
 from ropewalk.results.running import TimeHistory
-from ropewalk.simulate import output_times
+from ropewalk.simulate import output_times, simulate
 from ropewalk.system.dynamics.moving import SystemMotion
 from ropewalk.system.small_motion.superposed import Superposed
 
@@ -21,6 +25,23 @@ TRIPOD = {
              "length": 8.6, "mass": 0.4, "axial_stiffness": 4e4, "elements": 10},
 }  # fmt: skip
 """A rope that sags, and the same with another one that holds it to the side."""
+
+
+def computed(
+    asked: Scenario, engine: Engine, monkeypatch: pytest.MonkeyPatch, outcomes: tuple[str, ...] = ("completed",)
+) -> xr.Dataset:
+    """The result by an engine, whichever would be chosen, with an outcome that may be."""
+    monkeypatch.setattr(sys.modules["ropewalk.simulate"], "engine_of", lambda _: engine)
+    found = simulate(asked)
+    monkeypatch.undo()
+    assert found.attrs["outcome"] in outcomes
+    return found
+
+
+def missed(result: xr.Dataset) -> float:
+    """What the audit misses at most, of what the line stores in the meantime, J/J."""
+    energy = {form: result["energy"].values[:, i] for i, form in enumerate(result["form"].values)}
+    return float(np.abs(energy["imbalance"]).max() / np.ptp(energy["elastic"]))
 
 
 def with_steps_of(scenario: Scenario, part: float) -> Scenario:

@@ -11,12 +11,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from overhead_cases import DAMPED, long_line, off
-from ropewalk.results.frame import RunInfo
+from overhead_cases import DAMPED, long_line, off, runs_that_go_on
 from ropewalk.simulate import simulate
 from ropewalk.wires import absorbing_layer
-from ropewalk.wires.frames import Wires
-from ropewalk.wiring import task_of
 
 
 @cache
@@ -70,13 +67,6 @@ def test_far_from_the_pantograph_everything_rests() -> None:
 
 
 def test_a_run_goes_on_in_its_window() -> None:
-    asked, times = long_line(6, 90.0, run={"until": 2.0, "geometry": "linearised"}), np.arange(0.0, 2.0, 0.05)
-    first, second = (Wires(task_of(asked), times, RunInfo()) for _ in range(2))
-    for i in range(24):
-        first.advance(i)
-    second.set_state(first.get_state())
-    for i in range(24, 36):
-        first.advance(i)
-        second.advance(i)
+    first, second = runs_that_go_on(long_line(6, 90.0, run={"until": 2.0, "geometry": "linearised"}))
     np.testing.assert_array_equal(first.motion.position, second.motion.position)
     np.testing.assert_array_equal(first.motion.stepping.work, second.motion.stepping.work)

@@ -6,19 +6,18 @@ spring stores, F^2 / 2k; the sway of the same person on a rope.
 
 from __future__ import annotations
 
-import sys
 from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from overhead_cases import EN_2002
-from ropewalk.capabilities import SYSTEM, WIRES, Engine, engine_of
+from ropewalk.capabilities import SYSTEM, WIRES, engine_of
 from ropewalk.model import Scenario
 from ropewalk.results.frame import RunInfo
 from ropewalk.simulate import simulate
 from ropewalk.system.dynamics.moving import SystemMotion
+from system_cases import computed
 
 L, SPANS = 50.0, 4
 LINE: dict[str, Any] = {
@@ -36,14 +35,6 @@ def scenario(line: dict[str, Any], load: dict[str, Any], until: float = 0.5, **r
     run = {"kind": "dynamic", "until": until, "every": 0.05, "geometry": "nonlinear"} | run
     loads = {"load": {**load, "on": "line"}}
     return Scenario.model_validate({"overhead_lines": {"line": line}, "loads": loads, "run": run})
-
-
-def computed(asked: Scenario, engine: Engine, monkeypatch: pytest.MonkeyPatch) -> xr.Dataset:
-    monkeypatch.setattr(sys.modules["ropewalk.simulate"], "engine_of", lambda _: engine)
-    found = simulate(asked)
-    monkeypatch.undo()
-    assert found.attrs["outcome"] == "completed"
-    return found
 
 
 @pytest.mark.parametrize("stitch", [None, STITCH], ids=["plain", "stitch wires"])

@@ -7,16 +7,14 @@ the load goes to nothing.
 
 from __future__ import annotations
 
-import sys
 from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
 from scipy.linalg import eigh
 
 from overhead_cases import EN_2002
-from ropewalk.capabilities import SYSTEM, WIRES, Engine, engine_of
+from ropewalk.capabilities import SYSTEM, WIRES, engine_of
 from ropewalk.model import Scenario
 from ropewalk.simulate import simulate
 from ropewalk.system.elements.ties import Point
@@ -25,6 +23,7 @@ from ropewalk.system.equilibrium.statics import SystemPotential
 from ropewalk.system.equilibrium.structures import structure_of
 from ropewalk.system.loads.loaded_structure import LoadedStructure
 from stitch_network import StitchedLine
+from system_cases import computed, missed
 
 G = 9.81
 LINE: dict[str, Any] = {**EN_2002, "spans": {"count": 3, "length": "60 m"}, "analysed_spans": [2, 2]}
@@ -39,20 +38,6 @@ def scenario(line: dict[str, Any], load: dict[str, Any], **run: Any) -> Scenario
     return Scenario.model_validate({
         "overhead_lines": {"section": line}, "loads": {"load": {**load, "on": "section"}}, "run": run,
     })  # fmt: skip
-
-
-def computed(asked: Scenario, engine: Engine, monkeypatch: pytest.MonkeyPatch) -> xr.Dataset:
-    monkeypatch.setattr(sys.modules["ropewalk.simulate"], "engine_of", lambda _: engine)
-    found = simulate(asked)
-    monkeypatch.undo()
-    assert found.attrs["outcome"] == "completed"
-    return found
-
-
-def missed(result: xr.Dataset) -> float:
-    """What the audit misses at most, of what the line stores in the meantime, J/J."""
-    energy = {form: result["energy"].values[:, i] for i, form in enumerate(result["form"].values)}
-    return float(np.abs(energy["imbalance"]).max() / np.ptp(energy["elastic"]))
 
 
 @pytest.mark.parametrize("place", [60.0, 93.0])
