@@ -52,6 +52,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from ropewalk import hooks
+from ropewalk.importing import lightly
 
 if TYPE_CHECKING:
     from ropewalk import calc as calc
@@ -142,6 +143,7 @@ hooks.problems = lambda *given: import_module("ropewalk.scenario.problems").in_d
 hooks.unsupported = lambda parts: import_module("ropewalk.capabilities").unsupported(parts)
 
 
+@lightly()
 def __getattr__(name: str) -> Any:
     if name in _PACKAGES:
         return import_module(f"ropewalk.{name}")
@@ -168,6 +170,7 @@ class _Package(ModuleType):
     """
 
     @property
+    @lightly()
     def simulate(self) -> Any:
         return import_module("ropewalk.simulate").simulate
 

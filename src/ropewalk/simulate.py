@@ -19,6 +19,7 @@ from ropewalk.capabilities import (
 )
 from ropewalk.checkpoint import Tree
 from ropewalk.errors import Problem, ScenarioError
+from ropewalk.importing import lightly
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.compiled import compiling, is_kept
 from ropewalk.model.capabilities import refusal
@@ -199,6 +200,7 @@ def iterate(scenario: Scenario, run_info: RunInfo) -> tuple[Layout, Iterator[Fra
     return run.layout, (frame for frames in run.blocks() for frame in frames), run.total
 
 
+@lightly()
 def run_of(scenario: Scenario, run_info: RunInfo, times: Array | None = None, past: Tree | None = None) -> Run:
     """A scenario ready to run.
 

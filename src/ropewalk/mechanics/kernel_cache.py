@@ -19,6 +19,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import cache
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,7 @@ import numba
 import numpy as np
 from numba.core import event as events
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, UserProvidedCacheLocator
+from numba.core.environment import Environment, _rebuild_env, lookup_environment
 from numba.core.registry import cpu_target
 from numba.core.runtime.nrt import rtsys
 from numpy.typing import NDArray
@@ -184,9 +186,27 @@ class _Files(IndexDataCacheFile):
         if data is None:
             return None
         try:
-            return pickle.loads(data)
+            return _Unpickler(BytesIO(data)).load()
         except Exception:  # whatever those raise that are asked for by name
             return None
+
+
+class _Unpickler(pickle.Unpickler):
+    def find_class(self, module: str, name: str) -> Any:
+        """As always, but for what would import a part of Numba for each of its functions in a kernel."""
+        return _environment if name == _rebuild_env.__name__ else super().find_class(module, name)
+
+
+def _environment(module: str, constants: list[Any], name: str) -> Environment:
+    """What a function in a kernel needs of Python: its constants. Globals of its module are for its compiler only."""
+    found = lookup_environment(name)
+    if found is None:
+        known = sys.modules.get(module)
+        found = Environment({"__name__": module} if known is None else known.__dict__)
+        found.consts[:] = constants
+        found.env_name = name
+        Environment._memo[name] = found
+    return found
 
 
 def _unsealed(path: Path) -> bytes | None:
@@ -224,9 +244,15 @@ class KernelCache(FunctionCache):
     _impl_class = _Implementation
 
     def __init__(self, dispatcher: Any) -> None:
-        super().__init__(dispatcher.py_func)
         self._dispatcher = dispatcher
+
+    def __getattr__(self, name: str) -> Any:
+        """What it knows of its files, for which it looks when first asked: of ten kernels Python calls one."""
+        if "_impl" in self.__dict__:
+            raise AttributeError(name)
+        super().__init__(self._dispatcher.py_func)
         self._cache_file = _Files(self._cache_path, self._impl.filename_base, self._impl.locator.get_source_stamp())
+        return getattr(self, name)
 
     def signatures(self) -> list[tuple[Any, ...]]:
         """For which types of arguments there is code for this processor."""

@@ -20,6 +20,7 @@ import llvmlite.binding as llvm
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, CompileResult
 from numba.core.environment import lookup_environment
+from numba.core.runtime import nrtdynmod
 from numba.core.targetconfig import TargetConfig
 
 _ENVIRONMENT = "_ZN08NumbaEnv"  # begins the names of variables that point to what a function needs of Python
@@ -133,6 +134,24 @@ _defaults: dict[type, dict[str, Any]] = {}
 
 
 setattr(TargetConfig, "values", _values)  # noqa: B010
+
+
+class _Runtime:
+    """Numba's functions that count references, compiled when a compiler asks for them: kept kernels have their own."""
+
+    def __init__(self, context: Any) -> None:
+        self._context = context
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._compiled, name)
+
+    @cached_property
+    def _compiled(self) -> Any:
+        return _compile_runtime(self._context)
+
+
+_compile_runtime = nrtdynmod.compile_nrt_functions
+setattr(nrtdynmod, "compile_nrt_functions", _Runtime)  # noqa: B010
 
 
 class PartCompiler(Compiler):

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, get_args
 
-from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationError
+from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationError
+from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import InitErrorDetails, core_schema
 
 from ropewalk import hooks
@@ -40,7 +41,7 @@ class Declaration(_Base):
     """A frozen, self-checking statement of what is there; it holds no numerics."""
 
     model_config = ConfigDict(
-        frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True, arbitrary_types_allowed=True
+        frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True, arbitrary_types_allowed=True, defer_build=True
     )
 
 
@@ -90,7 +91,7 @@ class Variants:
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
         kinds = {model.model_fields["kind"].default: model for model in declarations_in(source)}
 
-        def read(value: Any, _: Any) -> Any:
+        def read(value: Any) -> Any:
             if isinstance(value, tuple(kinds.values())):
                 return value
             if not isinstance(value, Mapping):
@@ -108,11 +109,19 @@ class Variants:
                 report(self.what, [Finding(("kind",), f"unknown kind of {self.what}", repr(kind), remedy)])
             return kinds[kind].model_validate(value)
 
-        inner = handler(source)
-        if len(kinds) > 1:  # for the schema and for writing: reading is done above
-            choices = {kind: handler.generate_schema(model) for kind, model in kinds.items()}
-            inner = core_schema.tagged_union_schema(choices, discriminator="kind")
-        return core_schema.no_info_wrap_validator_function(read, inner)
+        # Schemas of the kinds are not built here: a process needs those of its own loads only.
+        return core_schema.no_info_plain_validator_function(read, metadata={"kinds": kinds})
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        kinds: dict[str, type[Declaration]] = schema["metadata"]["kinds"]
+        for model in kinds.values():
+            model.model_rebuild()
+        choices = {kind: model.__pydantic_core_schema__ for kind, model in kinds.items()}
+        if len(choices) == 1:
+            return handler(*choices.values())
+        return handler(core_schema.tagged_union_schema(choices, discriminator="kind"))
 
 
 def _other_kind(value: Mapping[Any, Any], kinds: Mapping[str, type[Declaration]], default: str) -> str:

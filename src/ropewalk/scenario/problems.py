@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from functools import cache
 from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
@@ -26,17 +27,6 @@ from ropewalk.model.track import Track
 from ropewalk.model.wind import Wind
 from ropewalk.scenario.fields import block_at, choices_of, known_keys
 from ropewalk.scenario.source import Key, Source, displayed, is_within
-
-_LINE: TypeAdapter[Any] = TypeAdapter(Line)
-_OVERHEAD: TypeAdapter[Any] = TypeAdapter(OverheadLine)
-_NET: TypeAdapter[Any] = TypeAdapter(AnyNet)
-_JOINT: TypeAdapter[Any] = TypeAdapter(Joint)
-_WIND: TypeAdapter[Any] = TypeAdapter(Wind)
-_TRACK: TypeAdapter[Any] = TypeAdapter(Track)
-_LOAD: TypeAdapter[Any] = TypeAdapter(Load)
-_RUN: TypeAdapter[Any] = TypeAdapter(Run)
-_OUTPUTS: TypeAdapter[Any] = TypeAdapter(Outputs)
-_GRAVITY: TypeAdapter[Any] = TypeAdapter(Acceleration)
 
 
 def validate(source: Source) -> Scenario:
@@ -197,7 +187,7 @@ def _incomplete_lines(
     findings: list[Finding] = []
     excused: set[tuple[Key, str]] = set()
     for name, line in _members(tree, "lines").items():
-        if not isinstance(line, dict) or _valid(_LINE, line) is not None:
+        if not isinstance(line, dict) or _valid(Line, line) is not None:
             continue
         given = set(line) | {key[-1] for key in meant.values() if key[:2] == ("lines", name)}
         given |= {key.rsplit(".", 1)[1] for key in reported if key.startswith(f"lines.{name}.")}
@@ -219,28 +209,28 @@ def _incomplete_lines(
 
 def _parts(tree: Any, uncertain: set[str]) -> Parts:
     """Collect the valid parts; what hides behind a misspelt or empty key is not known."""
-    lines = {name: _valid(_LINE, line) for name, line in _members(tree, "lines").items()}
-    loads = {name: _valid(_LOAD, load) for name, load in _members(tree, "loads").items()}
+    lines = {name: _valid(Line, line) for name, line in _members(tree, "lines").items()}
+    loads = {name: _valid(Load, load) for name, load in _members(tree, "loads").items()}
     on = {
         name: load["on"]
         for name, load in _members(tree, "loads").items()
         if isinstance(load, dict) and isinstance(load.get("on"), str)
     }
-    overhead = {name: _valid(_OVERHEAD, line) for name, line in _members(tree, "overhead_lines").items()}
-    nets = {name: _valid(_NET, net) for name, net in _members(tree, "nets").items()}
+    overhead = {name: _valid(OverheadLine, line) for name, line in _members(tree, "overhead_lines").items()}
+    nets = {name: _valid(AnyNet, net) for name, net in _members(tree, "nets").items()}
     loads = with_people(loads, lines, overhead, nets)
     on |= {name: load.on for name, load in loads.items() if load is not None}
     tree = tree if isinstance(tree, dict) else {}
-    run = _valid(_RUN, tree["run"]) if "run" in tree else Dynamic(until=1.0)
-    gravity = _valid(_GRAVITY, tree.get("gravity", 9.81))
+    run = _valid(Run, tree["run"]) if "run" in tree else Dynamic(until=1.0)
+    gravity = _valid(Acceleration, tree.get("gravity", 9.81))
     if {"run", "loads"} & uncertain:
         run = None
     if "gravity" in uncertain:
         gravity = None
-    joints = {name: _valid(_JOINT, joint) for name, joint in _members(tree, "joints").items()}
-    tracks = {name: _valid(_TRACK, track) for name, track in _members(tree, "tracks").items()}
-    wind = _valid(_WIND, tree["wind"]) if "wind" in tree else None
-    outputs = _valid(_OUTPUTS, tree.get("outputs", {})) or Outputs()
+    joints = {name: _valid(Joint, joint) for name, joint in _members(tree, "joints").items()}
+    tracks = {name: _valid(Track, track) for name, track in _members(tree, "tracks").items()}
+    wind = _valid(Wind, tree["wind"]) if "wind" in tree else None
+    outputs = _valid(Outputs, tree.get("outputs", {})) or Outputs()
     complete = not {"lines", "overhead_lines", "nets"} & uncertain and isinstance(tree.get("lines", {}), dict)
     on = on if lines or overhead or nets else {}
     parted = assembled(loads, run)
@@ -253,8 +243,14 @@ def _members(tree: Any, name: str) -> dict[str, Any]:
     return block if isinstance(block, dict) else {}
 
 
-def _valid(adapter: TypeAdapter[Any], value: Any) -> Any:
+def _valid(kind: Any, value: Any) -> Any:
     try:
-        return adapter.validate_python(value)
+        return _reader(kind).validate_python(value)
     except ValidationError:
         return None
+
+
+@cache
+def _reader(kind: Any) -> TypeAdapter[Any]:
+    """What reads one of its kind: made where something is wrong only, for each takes milliseconds."""
+    return TypeAdapter(kind)
