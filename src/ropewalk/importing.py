@@ -1,12 +1,11 @@
 """Imports that take no longer than they must: the first answer of a process is mostly imports.
 
 NumPy, SciPy and Numba bring along what no run asks for. Its modules are there, but are executed when something is asked of
-them. Python's search for cycles finds none among what is imported, and is put off.
+them.
 """
 
 from __future__ import annotations
 
-import gc
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -16,7 +15,6 @@ from types import ModuleType
 
 SELDOM_USED = ("numpy.ctypeslib", "numpy.f2py", "numpy.testing", "pydoc", "yaml")
 """SciPy takes all names of NumPy, and Numba looks whether it is configured by a file."""
-_GARBAGE = 50_000  # objects after which Python looks for cycles: with its usual 700 up to a tenth of the time
 
 
 class _Later:
@@ -35,15 +33,11 @@ _later = _Later()
 @contextmanager
 def lightly() -> Iterator[None]:
     """Import what is needed, without what comes along with it."""
-    threshold = gc.get_threshold()
-    if 0 < threshold[0] < _GARBAGE:
-        gc.set_threshold(_GARBAGE, *threshold[1:])
     outermost = _later not in sys.meta_path
     if outermost:
         sys.meta_path.insert(0, _later)
     try:
         yield
     finally:
-        if outermost and _later in sys.meta_path:
+        if outermost:
             sys.meta_path.remove(_later)
-        gc.set_threshold(*threshold)

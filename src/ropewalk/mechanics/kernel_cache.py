@@ -244,15 +244,9 @@ class KernelCache(FunctionCache):
     _impl_class = _Implementation
 
     def __init__(self, dispatcher: Any) -> None:
+        super().__init__(dispatcher.py_func)
         self._dispatcher = dispatcher
-
-    def __getattr__(self, name: str) -> Any:
-        """What it knows of its files, for which it looks when first asked: of ten kernels Python calls one."""
-        if "_impl" in self.__dict__:
-            raise AttributeError(name)
-        super().__init__(self._dispatcher.py_func)
         self._cache_file = _Files(self._cache_path, self._impl.filename_base, self._impl.locator.get_source_stamp())
-        return getattr(self, name)
 
     def signatures(self) -> list[tuple[Any, ...]]:
         """For which types of arguments there is code for this processor."""
