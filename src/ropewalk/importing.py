@@ -1,11 +1,12 @@
-"""Imports that take no longer than they must: the first answer of a process is mostly imports.
+"""Imports that take no longer than they must, since the first answer of a process is mostly imports.
 
-NumPy, SciPy and Numba bring along what no run asks for. Its modules are there, but are executed when something is asked of
-them.
+NumPy, SciPy and Numba bring along what no run asks for: such modules are there, and executed when something is asked
+of them. And Python looks for cycles among all that is imported, over and over, though it stays.
 """
 
 from __future__ import annotations
 
+import gc
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -13,8 +14,9 @@ from importlib.machinery import ModuleSpec, PathFinder
 from importlib.util import LazyLoader
 from types import ModuleType
 
-SELDOM_USED = ("numpy.ctypeslib", "numpy.f2py", "numpy.testing", "pydoc", "yaml")
+SELDOM_USED = ("numpy.ctypeslib", "numpy.f2py", "numpy.testing", "yaml")
 """SciPy takes all names of NumPy, and Numba looks whether it is configured by a file."""
+_GARBAGE = 200_000  # objects after which Python looks for cycles meanwhile: more than a run imports
 
 
 class _Later:
@@ -33,11 +35,17 @@ _later = _Later()
 @contextmanager
 def lightly() -> Iterator[None]:
     """Import what is needed, without what comes along with it."""
-    outermost = _later not in sys.meta_path
+    outermost, threshold, modules = _later not in sys.meta_path, gc.get_threshold(), len(sys.modules)
     if outermost:
         sys.meta_path.insert(0, _later)
+    if threshold[0]:
+        gc.set_threshold(max(_GARBAGE, threshold[0]), *threshold[1:])
     try:
         yield
     finally:
         if outermost:
             sys.meta_path.remove(_later)
+        if len(sys.modules) > modules and not gc.get_freeze_count():  # else what others have frozen would thaw, too
+            gc.freeze()  # together these take all objects for old ones: no look at any of them is needed for that
+            gc.unfreeze()
+        gc.set_threshold(*threshold)

@@ -199,7 +199,7 @@ class _Unpickler(pickle.Unpickler):
 
 def _environment(module: str, constants: list[Any], name: str) -> Environment:
     """What a function in a kernel needs of Python: its constants. Globals of its module are for its compiler only."""
-    found = lookup_environment(name)
+    found: Environment | None = lookup_environment(name)
     if found is None:
         known = sys.modules.get(module)
         found = Environment({"__name__": module} if known is None else known.__dict__)

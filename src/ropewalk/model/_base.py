@@ -41,8 +41,9 @@ class Declaration(_Base):
     """A frozen, self-checking statement of what is there; it holds no numerics."""
 
     model_config = ConfigDict(
-        frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True, arbitrary_types_allowed=True, defer_build=True
-    )
+        frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True, arbitrary_types_allowed=True,
+        defer_build=True,  # what checks it is made with the first of its kind: a process has but few kinds
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)

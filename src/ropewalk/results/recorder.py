@@ -19,6 +19,7 @@ from ropewalk.results import checksums, contract
 from ropewalk.results.files import WriteError, beside, open_result
 from ropewalk.results.frame import Array, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
+from ropewalk.results.labelled import dataset
 from ropewalk.results.past import Past
 from ropewalk.results.slots import Slots, cut, digests
 from ropewalk.results.target import alone, check_target
@@ -216,8 +217,6 @@ class _Memory:
         """Nothing is kept from others."""
 
     def result(self, run_info: RunInfo) -> xr.Dataset:
-        import xarray as xr  # slow
-
         path, arrays = self._layout.path, self._arrays
         values, size = contract.coordinate_values(self._layout), contract.sizes(self._layout)
         coordinates = {
@@ -231,7 +230,7 @@ class _Memory:
             for name, q in contract.VARIABLES.items()
             if contract.is_present(q, size)
         }
-        return xr.Dataset(variables, coordinates, {**self._fixed, **contract.run_info_attributes(run_info)})
+        return dataset(variables, coordinates, {**self._fixed, **contract.run_info_attributes(run_info)})
 
 
 class _File:
