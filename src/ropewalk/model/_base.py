@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any, Self, get_args
 
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationError
 from pydantic.json_schema import JsonSchemaValue
@@ -44,6 +44,11 @@ class Declaration(_Base):
         frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True, arbitrary_types_allowed=True,
         defer_build=True,  # what checks it is made with the first of its kind: a process has but few kinds
     )  # fmt: skip
+
+    @classmethod
+    def as_written(cls, **keys: Any) -> Self:
+        """Make one for a default, whose keys are known to be right: nothing is prepared to check them."""
+        return cls.model_construct(**keys)
 
 
 @dataclass(frozen=True)

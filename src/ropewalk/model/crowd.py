@@ -33,14 +33,15 @@ class Crowd(Declaration):
     number: Annotated[int, Count(1, MOST)] = Field(description="of people: on the line at first, or who come at `rate`")
     seed: Annotated[int, Count(0, 2**31 - 1)] = Field(default=1, description="of all that is random")
     mass: MassSpread = Field(
-        default=MassSpread(mean=75.0, deviation=15.0), description="of each; 75 kg is usual for loads on footbridges"
+        default=MassSpread.as_written(mean=75.0, deviation=15.0),
+        description="of each; 75 kg is usual for loads on footbridges",
     )
     frequency: FrequencySpread = Field(
-        default=FrequencySpread(mean=1.87, deviation=0.186),
+        default=FrequencySpread.as_written(mean=1.87, deviation=0.186),
         description="steps per second (Zivanovic, Pavic and Reynolds, Eng. Struct. 29, 942, 2007)",
     )
     step_length: LengthSpread = Field(
-        default=LengthSpread(mean=0.71, deviation=0.071), description="from foot to foot (the same source)"
+        default=LengthSpread.as_written(mean=0.71, deviation=0.071), description="from foot to foot (the same source)"
     )
     model: Literal["bachmann", "young"] = Field(default="young", description="amplitudes of the vertical force")
     lateral: Literal["bachmann", "setra"] | None = Field(

@@ -119,7 +119,9 @@ class Fmu(Declaration):
         default_factory=dict, description="variable: value, of inputs and states at the beginning, and kept of inputs"
     )
     every: PositiveTime = Field(default=1e-3, description="interval at which line and FMU exchange (macro step)")
-    exchange: Exchange = Field(default=Exchange(), description="how line and FMU exchange forces and motions")
+    exchange: Exchange = Field(
+        default=Exchange.as_written(), description="how line and FMU exchange forces and motions"
+    )
     isolated: StrictBool = Field(
         default=False, description="run it in a process of its own: a crash of the FMU then ends the run in order"
     )

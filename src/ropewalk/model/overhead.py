@@ -195,9 +195,9 @@ class OverheadLine(Declaration):
         description="{count, length}, or a list of the lengths of all spans, in order"
     )
     start: Point = Field(default=(0.0, 0.0), description="where the contact wire begins; the line runs along x")
-    contact_wire: ContactWire = Field(default=ContactWire(), description="the wire that pantographs touch")
-    messenger_wire: MessengerWire = Field(default=MessengerWire(), description="the wire that carries it")
-    droppers: Droppers = Field(default=Droppers(), description="what hangs the one from the other")
+    contact_wire: ContactWire = Field(default=ContactWire.as_written(), description="the wire that pantographs touch")
+    messenger_wire: MessengerWire = Field(default=MessengerWire.as_written(), description="the wire that carries it")
+    droppers: Droppers = Field(default=Droppers.as_written(), description="what hangs the one from the other")
     system_height: PositiveLength = Field(default=1.2, description="of the messenger over the contact wire at supports")
     heights: Heights | None = Field(
         default=None,
@@ -219,9 +219,11 @@ class OverheadLine(Declaration):
         description="how much lower than at the supports the contact wire is: at each dropper of a span, one such list "
         "for each span, or the largest value, in the middle of a parabola through the outer droppers (default: 0)",
     )
-    steady_arms: SteadyArms = Field(default=SteadyArms(), description="what holds the contact wire at the supports")
+    steady_arms: SteadyArms = Field(
+        default=SteadyArms.as_written(), description="what holds the contact wire at the supports"
+    )
     messenger_supports: MessengerSupports = Field(
-        default=MessengerSupports(), description="what holds the messenger at the supports"
+        default=MessengerSupports.as_written(), description="what holds the messenger at the supports"
     )
     stitch_wire: StitchWire | None = Field(default=None, description="an auxiliary wire at the supports")
     ends: Literal["weights", "anchored"] = Field(

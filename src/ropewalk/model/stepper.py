@@ -86,7 +86,9 @@ class Stepper(Declaration):
         default_factory=dict, description="arguments for making it: numbers, text, truth values, lists and blocks"
     )
     every: PositiveTime = Field(default=1e-3, description="interval at which it is asked")
-    exchange: Exchange = Field(default=Exchange(), description="how line and model exchange forces and motions")
+    exchange: Exchange = Field(
+        default=Exchange.as_written(), description="how line and model exchange forces and motions"
+    )
     start: Offset = Field(default=0.0, alias="from", description="unstrained length from the start of the line")
     at_end: AtEnd = Field(
         default="leave",

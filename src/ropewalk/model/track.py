@@ -60,14 +60,14 @@ class Track(Declaration):
 
     rail: str = Field(description="name of the line that is the rail, or both rails together")
     over: tuple[str, ...] = Field(default=(), description="names of the lines that are bridges")
-    pads: Pads = Field(default=Pads(), description="between rail and sleepers")
-    sleepers: Sleepers = Field(default=Sleepers(), description="their mass, and where they are")
-    ballast: Ballast = Field(default=Ballast(), description="below sleepers on the ground")
+    pads: Pads = Field(default=Pads.as_written(), description="between rail and sleepers")
+    sleepers: Sleepers = Field(default=Sleepers.as_written(), description="their mass, and where they are")
+    ballast: Ballast = Field(default=Ballast.as_written(), description="below sleepers on the ground")
     on_bridge: Ballast | None = Field(
         default=None,
         description="below sleepers on bridges (default: as on the ground); without ballast: their pads, mass 0",
     )
-    subgrade: Subgrade = Field(default=Subgrade(), description="below the ballast on the ground")
+    subgrade: Subgrade = Field(default=Subgrade.as_written(), description="below the ballast on the ground")
 
     def places(self, length: float) -> list[float]:
         """Where sleepers are on a rail of an unstrained length in m, from its start, m."""
