@@ -53,6 +53,8 @@ class Kernel:
 
     def __getattr__(self, name: str) -> Any:
         """As Numba has it."""
+        if "py_func" not in self.__dict__:  # of a copy that is being made
+            raise AttributeError(name)
         return getattr(self.dispatcher, name)
 
 
