@@ -48,12 +48,10 @@ def motion(line: dict[str, Any], size: float = 1.0, *, geometry: str = "linearis
 
 @pytest.mark.parametrize("line", LINES)
 def test_steps_are_what_modes_superpose(line: str) -> None:
-    """But for what contacts give way in a step; tensions of modes are without dampers. Bounds: twice what was seen."""
+    """But for what contacts give way in a step. Bounds: twice what was seen."""
     scenario = motion({**LINES[line], "elements": 24}, until=0.03)
     modes, steps = superposed(scenario), frames_of(with_steps_of(scenario, 0.5))
     for of, most in (("position", 0.006), ("tension", 0.015), ("reaction", 0.03)):
-        if of == "tension" and line == "damped":
-            continue
         one, other = changes(modes, of), changes(steps, of)
         away = float(np.abs(one - other).max() / np.abs(one).max())
         print(line, of, away)
@@ -66,17 +64,17 @@ def test_all_geometry_tends_to_it_as_the_load_vanishes(line: str) -> None:
     away = []
     for size in (8.0, 2.0):
         own = {**LINES[line], "elements": 24}
-        small, full = (frames_of(motion(own, size, geometry=kind, until=0.1)) for kind in ("linearised", "nonlinear"))
+        given = [motion(own, size, geometry=kind, until=0.1) for kind in ("linearised", "nonlinear")]
+        small, full = (frames_of(with_steps_of(one, 0.5)) for one in given)
         one, other = (changes(frames, "position") for frames in (small, full))
         away.append(float(np.abs(one - other).max() / np.abs(one).max()))
     print(line, away)
-    assert away[1] < 0.006
-    assert away[1] < 0.6 * away[0]  # what contacts give way in a step differs, whatever the load
+    assert away[1] < 0.003
+    assert away[1] < 0.5 * away[0]  # not a quarter: what contacts give way in a step differs, whatever the load
 
 
-@pytest.mark.parametrize("line", LINES)
-def test_its_energy_has_the_forces_and_the_stiffness_of_rest(line: str) -> None:
-    """Central differences of a quadratic are exact."""
+def potentials(line: str) -> tuple[SystemPotential, SystemPotential, np.ndarray]:
+    """Of small motion and of all geometry, where friction holds what rests; and the rest, (axis, node) m."""
     moving = SystemMotion(motion({**LINES[line], "elements": 20}), RunInfo(), np.array([0.0, 0.1]))
     structure, rest = moving.structure, moving.rest
     full = structure._replace(about=structure.about.nothing(2))
@@ -90,6 +88,13 @@ def test_its_energy_has_the_forces_and_the_stiffness_of_rest(line: str) -> None:
     whole.forces(rest.ravel())
     whole.stick(rest.ravel())
     assert whole.how == LITTLE
+    return small, whole, rest
+
+
+@pytest.mark.parametrize("line", LINES)
+def test_its_energy_has_the_forces_and_the_stiffness_of_rest(line: str) -> None:
+    """Central differences of a quadratic are exact."""
+    small, whole, rest = potentials(line)
     K = whole.stiffness(rest.ravel()).toarray()
     scale = float(np.abs(K).max())
     pull = whole.forces(rest.ravel())
@@ -105,6 +110,33 @@ def test_its_energy_has_the_forces_and_the_stiffness_of_rest(line: str) -> None:
         ahead, behind = small.moved(r, way), small.moved(r, -way)
         slope = (small.energy(ahead) - small.energy(behind)) / 0.2
         assert small.out_of_balance(r)[i] == pytest.approx(-slope, rel=1e-8, abs=1e-9 * scale)
+
+
+@pytest.mark.parametrize("line", ["sheave", "sheave that holds", "both"])
+def test_what_is_seen_at_sheaves_changes_as_with_all_geometry(line: str) -> None:
+    """Both tensions, slip, mean strain and mean tension: central differences, whose error is of the second order."""
+    small, whole, rest = potentials(line)
+    way = np.random.default_rng(2).standard_normal(rest.size)
+
+    def seen(potential: SystemPotential, far: float) -> list[np.ndarray]:
+        """What is seen at a way from rest, in m."""
+        potential.forces(rest.ravel() + far * way)
+        sheaves, buffers = potential.structure.sheaves, potential.buffers
+        assert sheaves is not None
+        e = small.structure.sheaves.about.node[:, 0]
+        return [one.copy() for one in (sheaves.tension, sheaves.ahead, buffers.strain[e], buffers.tension[e])]
+
+    def slopes(potential: SystemPotential, far: float) -> list[np.ndarray]:
+        both = zip(seen(potential, far), seen(potential, -far), strict=True)
+        return [(ahead - behind) / (2.0 * far) for ahead, behind in both]
+
+    exact = slopes(small, 1e-4)
+    coarse, fine = (slopes(whole, far) for far in (2e-4, 1e-4))
+    for what, k in zip(("tensions", "slip", "strain", "tension"), range(4), strict=True):
+        scale = max(float(np.abs(exact[k]).max()), 1e-9)
+        found = (4.0 * fine[k] - coarse[k]) / 3.0
+        print(line, what, scale, np.abs(found - exact[k]).max() / scale)
+        assert found == pytest.approx(exact[k], abs=1e-6 * scale)
 
 
 def test_it_swings_in_a_mode_of_the_spectrum() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from copy import deepcopy
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -140,9 +141,12 @@ def test_a_force_that_runs_over_the_rail_bends_the_bridge_as_modes_of_both_do(ru
 
 def test_a_track_that_begins_in_its_mode_swings_and_dies_away_as_modes_of_both_beams_do() -> None:
     """Of M, C, K of sine modes and masses: z = A Re exp(lambda t), but for what the shape without dampers lacks."""
-    run = {"kind": "dynamic", "geometry": "linearised", "until": 0.2, "every": 1e-3}
-    found = simulate(Scenario.model_validate(bridge(run={**run, "start": {"kind": "mode", "amplitude": 1e-3}})))
-    M, C, K = MODAL.matrices()
+    run = {"kind": "dynamic", "geometry": "linearised", "until": 0.6, "every": 2e-3}
+    viscous = {"ballast": {"damping": 30 * 58.8e3}, "subgrade": {"damping": 30 * 31.15e3}}  # it dies away by 3 %
+    start = {"kind": "mode", "amplitude": 1e-3}
+    found = simulate(Scenario.model_validate(bridge(viscous, run={**run, "start": start})))
+    damped = replace(MODAL, ballast=Layer(137.75e6, 30 * 58.8e3, 531.4), subgrade=Layer(77.5e6, 30 * 31.15e3))
+    M, C, K = damped.matrices()
     n = M.shape[0]
     lower = [-np.linalg.solve(M, K), -np.linalg.solve(M, C)]
     rates = np.linalg.eigvals(np.block([[np.zeros((n, n)), np.eye(n)], lower]))
@@ -153,7 +157,7 @@ def test_a_track_that_begins_in_its_mode_swings_and_dies_away_as_modes_of_both_b
     wanted = own[0] * np.exp(first.real * t) * (np.cos(phase) - loss * np.sin(phase))
     print(first, own[0], np.abs(own - wanted).max() / abs(own[0]))
     assert abs(own[0]) > 0.5e-3
-    assert own == pytest.approx(wanted, abs=1e-2 * abs(own[0]))
+    assert own == pytest.approx(wanted, abs=5e-3 * abs(own[0]))
 
 
 def test_dampers_of_a_track_are_in_the_audit() -> None:

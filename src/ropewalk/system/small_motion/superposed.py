@@ -84,6 +84,11 @@ class Superposed:
         self._potential.forces(self._potential.taken())
         self._loaded.stand(0.0, rest)
         names = [wheel.load for wheel in loading.wheels]
+        runs, self._damping = structure.runs, np.zeros(rest.shape[1])  # N s, of links, by their first nodes
+        for first, links, c in zip(runs.first, runs.links, runs.damping, strict=True):
+            self._damping[first : first + links] = c
+        if self._linear.sheaves is not None:  # links that these divide
+            self._damping[self._linear.sheaves.about.node[:, 0]] = runs.damping[self._linear.sheaves.run]
         self._passing = Passing(self._linear, self._loaded, self._potential, self._tables, names)
         self._builder = FrameBuilder(self._assembled, loading, self._of, windy=False)
         doubt_slack(scenario, run_info, self.layout.link_line, self._potential.buffers.tension[self._builder.link])
@@ -218,12 +223,13 @@ class Superposed:
             if contact["frictionless"]:
                 level = self._linear.runs.ahead[contact["run"]]
                 contact["hold"] = level @ (moment.force[k] - contact["given"][:dim])
+        viscous = self._viscous(moment.velocity, shape)
         potential.forces(shape)
         buffers, v = potential.buffers, moment.velocity.reshape(r.shape)
         inertia, forces = self._still.mass * moment.acceleration, self._still.forces(x, moment.velocity)
         forces = forces + self._still.handed(self._pressed(touch, moment.force)) - inertia
         pulled, forces = self._still.kept(forces)
-        buffers.tension[:] += pulled
+        buffers.tension[:] += pulled + viscous
         left, slips = self._still.friction.rubbed(forces, x)
         buffers.force[:] = left.reshape(r.shape)
         if slips:
@@ -241,6 +247,17 @@ class Superposed:
         energy = np.full(len(ENERGY_FORMS), np.nan)
         energy[_KNOWN] = frame.energy[_KNOWN]
         return replace(frame, energy=energy, cell_tension=self._cell_tensions(x))
+
+    def _viscous(self, velocity: Array, shape: Array) -> Array:
+        """Tensions of axial dampers (node,), by the first node of each link, N: strains are linear in places."""
+        if not self._damping.any():
+            return self._damping
+        buffers, moved = self._potential.buffers, shape.copy()
+        self._potential.forces(shape)
+        before = buffers.strain.copy()
+        moved[: velocity.size] += velocity  # of one second
+        self._potential.forces(moved)
+        return np.asarray(self._damping * (buffers.strain - before))
 
     def _pressed(self, touch: Any, force: Array) -> Array:
         """Forces of contacts on all places, N."""
