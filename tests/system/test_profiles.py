@@ -200,8 +200,86 @@ def test_a_profile_does_not_depend_on_how_far_it_is_asked_for() -> None:
     assert np.abs(other - z).max() > 1e-3
 
 
+def walks(profile: str | None, **deck: Any) -> Any:
+    """A walker on a beam that hardly gives way, who begins above 3 m of level way."""
+    q = float(np.linalg.norm(deck.get("end", [10.0, 0.0]))) / 10.0
+    beam = {
+        "start": [0.0, 0.0], "end": [10.0, 0.0], "length": 10.0 * q, "mass": 1000.0, "axial_stiffness": 1e9,
+        "bending_stiffness": 1e11, "elements": 8, **deck, **({"profile": {"file": profile}} if profile else {}),
+    }  # fmt: skip
+    her = {"kind": "walker", "on": "deck", "from": 3.0 * q, **({"balance": {}} if len(beam["end"]) == 3 else {})}
+    run = {"kind": "dynamic", "until": 0.9, "every": 0.05, "method": "verlet"}
+    found = simulate(read({"lines": {"deck": beam}, "loads": {"her": her}, "run": run}))
+    assert found.attrs["outcome"] == "completed"
+    assert np.abs(found["energy"].sel(form="imbalance")).max() < 0.01  # J of 800 J
+    assert np.isfinite(found["contact_xi"].to_numpy()).any(axis=0).all()  # both feet have stood
+    return found
+
+
+def a_rise(file: Path, slope: float, height: float = 0.0) -> str:
+    """A file of a way that rises evenly."""
+    x = np.array([-5.0, 12.0])
+    np.savetxt(file, np.stack([x, height + slope * x], axis=1), delimiter=",", fmt="%.17g")
+    return str(file)
+
+
+def test_a_walker_on_a_level_profile_walks_as_on_none(tmp_path: Path) -> None:
+    plain = walks(None)["body_position"].to_numpy()
+    assert np.abs(walks(a_rise(tmp_path / "flat.csv", 0.0))["body_position"].to_numpy() - plain).max() < 1e-12
+    raised = walks(a_rise(tmp_path / "raised.csv", 0.0, 0.3))["body_position"].to_numpy()
+    assert np.abs(raised - plain - [0.0, 0.3]).max() < 1e-8  # rounding, and where feet are found to land
+
+
+@pytest.mark.parametrize("end", [[10.0, 0.5], [10.0, 0.0, 0.5]], ids=["plane", "aside"])
+def test_a_walker_climbs_a_profile_as_an_inclined_line(end: list[float], tmp_path: Path) -> None:
+    """The beam is compressed by 5e-8 m where it is inclined; a body that balances falls as exp(2.9 t) from there."""
+    level = [*end[:-1], 0.0]
+    over = walks(a_rise(tmp_path / "rise.csv", 0.05), end=level, start=[0.0] * len(end))
+    on = walks(None, end=end, start=[0.0] * len(end))
+    assert np.abs(over["body_position"].to_numpy() - on["body_position"].to_numpy()).max() < 1e-5
+    force = [np.nan_to_num(found["contact_force"].to_numpy()).sum(axis=1) for found in (over, on)]
+    assert np.abs(force[0] - force[1]).max() < 0.05  # N of 1600
+
+
+class Sprung:
+    """A sprung mass that rolls along as a model of a user's own: exact where its wheel moves evenly."""
+
+    def __init__(self) -> None:
+        self.z = self.v = self.base = 0.0
+
+    def reset(self, line: Any) -> None:
+        self.base = float(line.at(0.0)[0][-1])
+        self.z, self.v = self.base, HEIGHT * RATE
+
+    def step(self, t: float, h: float, line: Any) -> list[Any]:
+        place = float(line.at(SPEED * t)[0][-1])
+        rise = (place - self.base) / h if t > 0.0 else HEIGHT * RATE
+        if t > 0.0:
+            root = (-DAMPING + np.sqrt(complex(DAMPING**2 - 4.0 * STIFFNESS * MASS))) / (2.0 * MASS)
+            x, w = self.z - self.base, self.v - rise  # above its wheel
+            c = (w - root.conjugate() * x) / (root - root.conjugate()) * np.exp(root * h)
+            self.z, self.v = place + 2.0 * c.real, rise + 2.0 * (root * c).real
+            self.base = place
+        force = STIFFNESS * (self.z - place) + DAMPING * (self.v - rise)
+        return [(SPEED * t, [0.0, force], SPEED)]
+
+
+def test_a_model_of_ones_own_sees_the_line_with_its_profile(tmp_path: Path) -> None:
+    """The same sprung mass as a model that is asked a thousand times a second: its wheel goes straight in between."""
+    own = rig({"file": rows(tmp_path / "sine.csv")}, {**DYNAMIC, "until": 1.5})
+    own["loads"] = {"car": {"kind": "stepper", "on": "deck", "model": "MODEL", "every": 1e-3}}
+    scenario = Scenario.model_validate({**own, "loads": {"car": {**own["loads"]["car"], "model": Sprung()}}})
+    found = simulate(scenario)
+    assert found.attrs["outcome"] == "completed"
+    t, force = found["time"].to_numpy(), found["contact_force"].to_numpy()[:, 0, -1]
+    exact = -MASS * base_excited(t, 0.0)[1]
+    on = (t > 0.1) & (t < 1.45)
+    assert np.abs(force - exact)[on].max() < 2e-3 * np.abs(exact).max()  # twice what was seen
+    place = found["contact_position"].to_numpy()[:, 0]
+    assert np.abs(place[on, 1] - HEIGHT * np.sin(2.0 * np.pi * SPEED / WAVE * t[on])).max() < 2e-5
+
+
 REFUSED = {
-    "a walker": ("loads", {"kind": "walker", "on": "deck"}, "a load of kind walker on a profile"),
     "rkn6": ("run", {"kind": "dynamic", "until": 0.1, "method": "rkn6"}, "rkn6 with a profile"),
     "implicit": ("run", {"kind": "dynamic", "until": 0.1, "method": "implicit"}, "implicit with a profile"),
 }

@@ -14,7 +14,7 @@ import numpy as np
 
 from ropewalk.mechanics.assembly import speed_table
 from ropewalk.mechanics.chain import Array, Integers
-from ropewalk.mechanics.compiled import inlined
+from ropewalk.mechanics.compiled import inlined, lean
 from ropewalk.mechanics.profile_spectra import profile_of, usual_wavelengths
 from ropewalk.model.profile import Profile
 from ropewalk.model.scenario import Scenario
@@ -114,3 +114,9 @@ def height_at(profiles, line, s):
     x, c = s - profiles.s[low], profiles.c
     height = c[0, low] + x * (c[1, low] + x * (c[2, low] + x * c[3, low]))
     return height, c[1, low] + x * (2.0 * c[2, low] + 3.0 * x * c[3, low])
+
+
+@lean
+def profile_entry(profiles, line, s):
+    """The height of `height_at` as Python calls it."""
+    return height_at(profiles, line, s)[0]
