@@ -250,9 +250,6 @@ def check_without_feedback(scenario: Scenario) -> None:
         ScenarioError: there is such a load.
     """
     what = "a run without feedback"
-    for name, line in scenario.lines.items():
-        if line.profile is not None:
-            raise refusal(missing(("lines", name, "profile"), what, remedy="leave it out"))
     for name, load in scenario.loads.items():
         if isinstance(load, Crowd):
             raise refusal(missing(("loads", name, "kind"), what, load.kind, "write its people one by one as footsteps"))

@@ -10,8 +10,10 @@ from __future__ import annotations
 
 import copy
 import math
+import tempfile
 from dataclasses import dataclass
 from itertools import count, pairwise
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,6 +32,7 @@ from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.pantograph import Pantograph
+from ropewalk.model.profile import Profile
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Start, every_of
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.stepper import Stepper
@@ -41,11 +44,13 @@ from ropewalk.results.contract import doubts_of
 from ropewalk.simulate import simulate
 from ropewalk.solve.start import setting_of
 from ropewalk.solve.vehicle_statics import resting_forces
+from ropewalk.system.elements.profile import rows_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
 TAUT = 5e4  # tension of ground over the weight on it: it gives way by 5e-6 of its length
+TAUTER = 3e7  # the same of ground with a profile, whose heights are of millimetres
 STRETCH = 0.5  # strain of ground: its longitudinal waves, which set the step, are not much faster than the others
 LINKS = 20  # of ground: many would cost steps, and a straight line needs none; but every wheel wants its own
 # Mass of a link of ground over that of the load, at most and at least, and over that of a wheel. Half a link hangs on
@@ -88,8 +93,9 @@ def cut(scenario: Scenario) -> tuple[Scenario, dict[str, tuple[str, ...]]]:
     if not heavy:
         return scenario, {}
     taken, names = set(scenario.loads), {}
-    static = _static_forces(scenario, [name for name, load in heavy.items() if rests_within_itself(load)])
-    moving = [name for name in heavy if not rests_within_itself(heavy[name])]
+    resting = [name for name, load in heavy.items() if rests_within_itself(load) and _is_level(scenario, load)]
+    static = _static_forces(scenario, resting)
+    moving = [name for name in heavy if name not in resting]
     grounds = {name: _Ground.run(scenario, name) for name in moving}
     for wheel in wheels_of(scenario):
         if wheel.load in loads and is_force(loads[wheel.load]):
@@ -112,6 +118,12 @@ def cut(scenario: Scenario) -> tuple[Scenario, dict[str, tuple[str, ...]]]:
 def is_force(load: AnyLoad) -> bool:
     """Whether a load is nothing but given forces."""
     return isinstance(load, GivenForces) or (isinstance(load, Footsteps) and load.balance is None)
+
+
+def _is_level(scenario: Scenario, load: AnyLoad) -> bool:
+    """Whether a load goes up and down with nothing but its line."""
+    line = scenario.lines.get(load.on)
+    return line is None or line.profile is None
 
 
 def rests_within_itself(load: AnyLoad) -> bool:
@@ -210,6 +222,14 @@ class _Ground:
         run, load = scenario.run, scenario.loads[name]
         assert isinstance(run, Dynamic)
         ground, load = _ground_of(scenario, name, run.until)
+        with tempfile.TemporaryDirectory() as folder:
+            ground = _with_profile(scenario, name, ground, load, Path(folder) / "profile.csv")
+            return cls._run(scenario, name, ground, load)
+
+    @classmethod
+    def _run(cls, scenario: Scenario, name: str, ground: Line, load: AnyLoad) -> _Ground:
+        run = scenario.run
+        assert isinstance(run, Dynamic)
         every = min(every_of(run), run.until / SAMPLES)
         falls = isinstance(load, Trolley) and load.payload.at is not None
         start = Start(with_loads=not (falls or isinstance(load, ExternalModel | Footsteps)))
@@ -268,6 +288,22 @@ def _ground_of(scenario: Scenario, name: str, until: float) -> tuple[Line, AnyLo
     return _on_ground(name, load, line, length, until, scenario.gravity)
 
 
+def _with_profile(scenario: Scenario, name: str, ground: Line, load: AnyLoad, file: Path) -> Line:
+    """Ground with the profile of the line of a load, written to a file, which goes along with it as it is stretched."""
+    own, run = scenario.loads[name], scenario.run
+    line = scenario.lines.get(own.on)
+    if line is None or line.profile is None:
+        return ground
+    assert isinstance(run, Dynamic)
+    s, z = rows_of(scenario, own.on, line.length or line.distance, run.until)
+    if isinstance(own, Travelling) and isinstance(own.travel, Travel):  # it begins in the middle of its ground
+        assert isinstance(load, Travelling)
+        level = abs(ground.end[0] - ground.start[0]) / ground.distance if own.travel.measured == "horizontal" else 1.0
+        s = s + (load.travel.start - own.travel.start) / max(level, 1e-9)
+    np.savetxt(file, np.stack([s / (1.0 + STRETCH), z], axis=1), delimiter=",", fmt="%.17g")
+    return ground.model_copy(update={"profile": Profile(file=str(file))})
+
+
 def _on_ground(
     name: str, load: AnyLoad, line: Line, length: float, until: float, gravity: float
 ) -> tuple[Line, AnyLoad]:
@@ -311,7 +347,7 @@ def _on_ground(
         if isinstance(load, Stepper):
             own["model"] = copy.deepcopy(load.model)  # what it remembers of one run is not for the other
     whole, wheel = _masses(load)
-    tension = TAUT * whole * max(gravity, 1.0)
+    tension = (TAUT if line.profile is None else TAUTER) * whole * max(gravity, 1.0)
     h = length / (1.0 + STRETCH) / links
     mass = whole * max(min(LIGHT, LIGHT_FOR_WHEEL * wheel / whole), LIGHTEST) / h
     stiffness, drag = tension / STRETCH, 4.0 * math.sqrt(tension / mass) / length

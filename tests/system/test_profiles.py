@@ -11,8 +11,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from ropewalk.decouple import without_feedback
 from ropewalk.errors import ScenarioError
 from ropewalk.mechanics.profile_spectra import density, profile_of
+from ropewalk.model.history import ForceTable
+from ropewalk.model.load import MovingForce
 from ropewalk.model.scenario import Scenario
 from ropewalk.scenario import loads
 from ropewalk.simulate import simulate
@@ -277,6 +280,37 @@ def test_a_model_of_ones_own_sees_the_line_with_its_profile(tmp_path: Path) -> N
     assert np.abs(force - exact)[on].max() < 2e-3 * np.abs(exact).max()  # twice what was seen
     place = found["contact_position"].to_numpy()[:, 0]
     assert np.abs(place[on, 1] - HEIGHT * np.sin(2.0 * np.pi * SPEED / WAVE * t[on])).max() < 2e-5
+
+
+@pytest.mark.parametrize("start", [0.0, 5.0])
+def test_without_feedback_a_sprung_mass_presses_as_on_a_rigid_way(start: float, tmp_path: Path) -> None:
+    """In closed form, on a bridge that bends by centimetres; ground gives way by 3e-6 m, and its links have a mass."""
+    car = rig({"file": rows(tmp_path / "sine.csv")}, {**DYNAMIC, "until": 1.2}, start)
+    car["lines"]["deck"] |= {"bending_stiffness": 1e8}
+    alone = without_feedback(read(car)).loads["car"]
+    assert isinstance(alone, MovingForce)
+    assert isinstance(alone.force, ForceTable)
+    t, force = np.array(alone.force.time), np.array(alone.force.value)
+    exact = -MASS * (9.81 + base_excited(t, start)[1])
+    assert np.abs(force[:, 1] - exact).max() < 2e-3 * np.abs(exact).max()  # twice what was seen
+    assert np.abs(force[:, 0]).max() < 1.0
+    assert alone.travel.start == start
+
+
+@pytest.mark.parametrize("measured", ["material", "horizontal"])
+def test_without_feedback_a_mass_presses_with_its_inertia_over_waves(measured: str, tmp_path: Path) -> None:
+    """On a deck that rises by 5 % as well, along which its travel is measured, or level."""
+    level = float(np.sqrt(1.0 - 0.05**2)) if measured == "horizontal" else 1.0
+    scenario = rig({"file": rows(tmp_path / "sine.csv")}, {**DYNAMIC, "until": 1.0, "start": {"with_loads": True}})
+    travel = {"speed": 16.0, "measured": measured, "from": 4.0, "at_end": "leave"}
+    scenario["lines"]["deck"] |= {"bending_stiffness": 1e8, "end": [float(np.sqrt(1596.0)), 2.0]}
+    scenario |= {"gravity": 9.81, "loads": {"mass": {"kind": "mass", "on": "deck", "mass": 50.0, "travel": travel}}}
+    force = without_feedback(read(scenario)).loads["mass"].force
+    t, along = np.array(force.time), 16.0 / level
+    s = 4.0 / level + along * t
+    exact = -50.0 * (9.81 - HEIGHT * (2.0 * np.pi / WAVE * along) ** 2 * np.sin(2.0 * np.pi / WAVE * s))
+    late = t > 0.1  # as it begins, it rests, and comes to the speed of its way all of a sudden
+    assert np.abs(np.array(force.value)[late, 1] - exact[late]).max() < 1e-3 * 50.0 * 9.81
 
 
 REFUSED = {
