@@ -41,6 +41,7 @@ from ropewalk.model.trolley import Trolley
 from ropewalk.model.vehicle import Vehicle
 from ropewalk.model.walker import Walker
 from ropewalk.results.contract import doubts_of
+from ropewalk.rigid_overhead_lines import forces_of_pantograph
 from ropewalk.simulate import simulate
 from ropewalk.solve.start import setting_of
 from ropewalk.solve.vehicle_statics import resting_forces
@@ -88,28 +89,34 @@ def cut(scenario: Scenario) -> tuple[Scenario, dict[str, tuple[str, ...]]]:
     if isinstance(run, Dynamic) and run.start.kind == "result":
         wrong, remedy = "a stored result has other loads than a run without feedback", "start from rest"
         raise ScenarioError([Problem("run.start.kind", wrong, "result", remedy)])
-    loads: dict[str, AnyLoad] = {n: load for n, load in scenario.loads.items() if is_force(load)}
-    heavy = {name: load for name, load in scenario.loads.items() if name not in loads}
+    heavy = {name: load for name, load in scenario.loads.items() if not is_force(load)}
     if not heavy:
         return scenario, {}
-    taken, names = set(scenario.loads), {}
-    resting = [name for name, load in heavy.items() if rests_within_itself(load) and _is_level(scenario, load)]
+    taken, names = set(scenario.loads), dict[str, tuple[str, ...]]()
+    resting = [name for name, load in heavy.items() if presses_evenly(scenario, load)]
     static = _static_forces(scenario, resting)
     moving = [name for name in heavy if name not in resting]
-    grounds = {name: _Ground.run(scenario, name) for name in moving}
-    for wheel in wheels_of(scenario):
-        if wheel.load in loads and is_force(loads[wheel.load]):
+    grounds = {name: _Ground.run(scenario, name) for name in moving if not isinstance(heavy[name], Pantograph)}
+    made: dict[str, dict[str, AnyLoad]] = {name: {} for name in heavy}
+    for name, load in heavy.items():
+        if isinstance(load, Pantograph):
+            for contact, force in forces_of_pantograph(scenario, name).items():
+                own = _names(name, contact.removeprefix(name).replace(".", "-").removeprefix("-"), 1, taken)
+                made[name][own[0]], names[contact] = force, tuple(own)
+    rolling = {name: load for name, load in scenario.loads.items() if not isinstance(load, Pantograph)}
+    for wheel in wheels_of(scenario.model_copy(update={"loads": rolling})):
+        if wheel.load not in heavy:
             continue
         load = heavy[wheel.load]
         if wheel.load not in moving:
             forces = [standing_force(load, wheel, static[wheel.name])]
         else:
             forces = grounds[wheel.load].forces(load, wheel)
-        own = _names(wheel, len(forces), taken)
-        loads.update(zip(own, forces, strict=True))
+        own = _names(wheel.load, wheel.part, len(forces), taken)
+        made[wheel.load].update(zip(own, forces, strict=True))
         names[wheel.name] = tuple(own)
-    order = [n for wheel in wheels_of(scenario) for n in names.get(wheel.name, (wheel.load,))]
-    loads = {name: loads[name] for name in dict.fromkeys(order)}
+    given = {name: made.get(name, {name: load}) for name, load in scenario.loads.items()}
+    loads = {name: load for own in given.values() for name, load in own.items()}
     title = f"{scenario.title}, without feedback"
     kept = {key: getattr(scenario, key) for key in Scenario.model_fields}
     return Scenario(**{**kept, "title": title, "loads": loads}), names
@@ -120,10 +127,10 @@ def is_force(load: AnyLoad) -> bool:
     return isinstance(load, GivenForces) or (isinstance(load, Footsteps) and load.balance is None)
 
 
-def _is_level(scenario: Scenario, load: AnyLoad) -> bool:
-    """Whether a load goes up and down with nothing but its line."""
+def presses_evenly(scenario: Scenario, load: AnyLoad) -> bool:
+    """Whether the force of a load on ground, with the profile of its line, does not change."""
     line = scenario.lines.get(load.on)
-    return line is None or line.profile is None
+    return rests_within_itself(load) and (line is None or line.profile is None)
 
 
 def rests_within_itself(load: AnyLoad) -> bool:
@@ -136,11 +143,11 @@ def rests_within_itself(load: AnyLoad) -> bool:
     return not (getattr(load, "air_drag", 0.0) or (load.lift_off and load.side == "below"))
 
 
-def _names(wheel: ContactPoint, forces: int, taken: set[str]) -> list[str]:
-    """Names of the forces that replace a wheel: that of the load where there is only one."""
-    if not wheel.part and forces == 1:
-        return [wheel.load]
-    stem = f"{wheel.load}-{wheel.part}" if wheel.part else wheel.load
+def _names(load: str, part: str, forces: int, taken: set[str]) -> list[str]:
+    """Names of the forces that replace a part of a load: that of the load where there is only one."""
+    if not part and forces == 1:
+        return [load]
+    stem = f"{load}-{part}" if part else load
     own = []
     for number in range(1, forces + 1):
         name = stem if forces == 1 else f"{stem}-{number}"

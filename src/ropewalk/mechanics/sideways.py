@@ -49,7 +49,7 @@ class Sideways:
 
         Where a way has no level run, such as on a vertical line, she looks along x.
         """
-        runs = np.where(runs.any(axis=1)[:, None], runs, [1.0, 0.0])
+        runs = np.where(np.any(runs, axis=1, keepdims=True), runs, [1.0, 0.0])
         runs = runs / np.linalg.norm(runs, axis=1)[:, None] * (1.0 if towards == "end" else -1.0)
         left = np.stack([-runs[:, 1], runs[:, 0]], axis=1)
         return Sideways(left if foot == "left" else -left, np.zeros(1) if begin is None else begin, length)

@@ -306,8 +306,9 @@ def _on_nets(parts: Parts) -> Iterator[Finding]:
     for name, load in parts.loads.items():
         if load is None or load.on not in parts.nets:
             continue
-        balances = isinstance(load, Walker | Footsteps) and load.balance is not None
-        if balances and load.path is not None and _turns(load.path):
+        if not isinstance(load, Walker | Footsteps) or load.balance is None or load.path is None:
+            continue
+        if _turns(load.path):
             path, remedy = ("loads", name, "balance"), "give it a straight path, or leave balance out"
             yield missing(path, "paths that turn", "a block", remedy)
 

@@ -107,7 +107,7 @@ class SplitHolds:
             found[:] = [settle(hold)]
             seen = [beside(found[0], k) for k in slides]
             limits = [sign[k] * self._most(k, one) if sign[k] else 0.0 for k, one in zip(slides, seen, strict=True)]
-            return np.array([one.ratio for one in seen]) - limits
+            return np.array([one.ratio - limit for one, limit in zip(seen, limits, strict=True)])
 
         from scipy.optimize import root  # lazy: it takes long to import
 
