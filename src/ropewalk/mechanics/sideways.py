@@ -33,13 +33,13 @@ class Sideways:
             line = scenario.lines.get(load.on)
             run = (1.0, 0.0) if line is None else np.subtract(spatial(line.end), spatial(line.start))[:2]
             return Sideways.across(np.array([run]), load.towards, foot)
-        pieces = np.diff(np.array(load.path, dtype=float), axis=0)
-        sizes = np.hypot(*pieces.T)
+        runs = np.diff(np.array(load.path, dtype=float), axis=0)
+        sizes = np.hypot(*runs.T)
         if not sizes.any():  # she stands
             return Sideways.across(np.zeros((1, 2)), load.towards, foot)
-        pieces, sizes = pieces[sizes > 0.0], sizes[sizes > 0.0]
+        runs, sizes = runs[sizes > 0.0], sizes[sizes > 0.0]
         end = np.cumsum(sizes)
-        return Sideways.across((pieces @ _ways(net))[:, :2], load.towards, foot, end - sizes, float(end[-1]))
+        return Sideways.across((runs @ _ways(net))[:, :2], load.towards, foot, end - sizes, float(end[-1]))
 
     @staticmethod
     def across(

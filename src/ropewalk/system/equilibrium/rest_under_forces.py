@@ -213,14 +213,14 @@ class RestUnderForces(SlowMotion[_Loaded]):
         position, tension, strain = self._displayed.of(rest, own, builder.layout)
         seen, energy = self._contacts(loaded, t), own.energy.copy()
         contacts: Any = seen.fields()
-        bodies = np.zeros((0, self._lines.gravity.size))
+        places = np.zeros((0, self._lines.gravity.size))
         if (multibody_system := self._loading.multibody_system) is not None:
-            standing = loaded_bodies(multibody_system.bodies, self._stands(rest, loaded.at).T)
-            energy[ENERGY_FORMS.index("load_potential")] += potential_of(standing, self._lines.gravity)
-            bodies = self._bodies_shown(standing)
+            bodies = loaded_bodies(multibody_system.bodies, self._stands(rest, loaded.at).T)
+            energy[ENERGY_FORMS.index("load_potential")] += potential_of(bodies, self._lines.gravity)
+            places = self._displayed_bodies(bodies)
         return replace(
             own, position=position, velocity=np.zeros_like(position), tension=tension, strain=strain, energy=energy,
-            body_position=bodies, body_velocity=np.zeros_like(bodies),
+            body_position=places, body_velocity=np.zeros_like(places),
             sheave_station=np.array(list(rest.over.values())) if rest.over else None, **contacts,
         )  # fmt: skip
 
@@ -237,13 +237,13 @@ class RestUnderForces(SlowMotion[_Loaded]):
             seen.tension[k], seen.friction[k] = (beside.behind, beside.ahead), beside.needed(block=bool(c["block"]))
         return seen
 
-    def _bodies_shown(self, standing: Bodies) -> Array:
+    def _displayed_bodies(self, bodies: Bodies) -> Array:
         """Places of all bodies, (body, axis) m; along what has no coordinate above wheels."""
         displayed = () if self._loading.multibody_system is None else self._loading.multibody_system.displayed
         out = np.zeros((len(displayed), self._lines.gravity.size))
         for i, body in enumerate(displayed):
             for a, c in enumerate(body.coordinates):
-                out[i, a] = standing.coordinates["q"][c] if c >= 0 else standing.wheels["r"][body.wheel, a]
+                out[i, a] = bodies.coordinates["q"][c] if c >= 0 else bodies.wheels["r"][body.wheel, a]
             if body.coordinates[0] < 0:
                 out[i, 0] += body.ahead
         return out
