@@ -66,7 +66,8 @@ _PATTERNS = {
             rf"a dropper that fails {_NOT}|\.droppers\.(cut|strength): {_NOT}",
         "hysteresis needs the history of strain": rf"(hysteresis {_NOT}|: {_NOT} lines with hysteresis)",
         "no linear theory in wind that blows": rf"wind {_NOT} kind: linear",
-        "models of pantographs with several contacts are not compared": r"pantographs with several contacts",
+        "loads that an engine does not know, pantographs with several contacts in comparisons":
+            rf"pantographs with several contacts|(loads\.[^.:]*\.kind|lines\.[^:]*): {_NOT} (joined|beams)",
         "a window with all geometry on overhead lines between weights alone":
             rf"a window with geometry: nonlinear {_NOT}",
         "linear theory: no vehicle that starts on the line":
