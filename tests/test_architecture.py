@@ -21,7 +21,8 @@ LAYERS = (
     ("errors", "units", "hooks", "importing", "interrupts", "renamed"), ("checkpoint",), ("model",),
     ("theory",), ("mechanics",), ("external",),
     ("controllers",), ("results",), ("solve",), ("linear",), ("wires",), ("overhead",), ("system",),
-    ("capabilities",), ("chains", "wiring"), ("meshes",), ("impact",), ("simulate",), ("effort",), ("decouple",),
+    ("capabilities",), ("chains", "wiring"), ("meshes",), ("impact",), ("simulate",), ("effort",),
+    ("rigid_overhead_lines",), ("decouple",),
     ("coupling",), ("scenario",), ("resuming",), ("cli",), ("__main__",),
 )  # fmt: skip
 # Of the system, in the same way; what works is asked without any of them.

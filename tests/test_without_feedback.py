@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from ropewalk import Scenario, feedback, simulate, without_feedback
 from ropewalk.errors import ScenarioError
+from ropewalk.model import MovingForce
 from ropewalk.theory import beam
 
 G = 9.81
@@ -132,14 +134,59 @@ def test_the_comparison_tells_what_feedback_changes(structure: str, with_loads: 
     assert found.table()
 
 
-def test_pantographs_and_models_of_ones_own_are_refused_with_a_place() -> None:
-    tree = {
-        "overhead_lines": {"line": {"spans": {"count": 3, "length": 50}}},
-        "loads": {"front": {"kind": "pantograph", "on": "line", "model": "en50318-2002", "travel": {"speed": 20}}},
-        "run": {"kind": "dynamic", "until": 0.5},
-    }
-    with pytest.raises(ScenarioError, match=r"loads\.front\.kind: is not implemented for a run without feedback"):
-        without_feedback(Scenario.model_validate(tree))
+SPANS: dict[str, Any] = {"spans": {"count": 3, "length": 40.0}, "droppers": {"per_span": 4}, "element": 1.0}
+
+
+def below(pantograph: dict[str, Any], until: float, **lines: Any) -> Scenario:
+    """A pantograph below an overhead line, from 50 m on."""
+    load = {"kind": "pantograph", "on": "line", "model": "en50318-2002", "travel": {"speed": 30.0, "from": 30.0}}
+    tree = {"overhead_lines": {"line": SPANS, **lines}, "loads": {"front": {**load, **pantograph}}}
+    return Scenario.model_validate({**tree, "run": {"kind": "dynamic", "until": until, "geometry": "linearised"}})
+
+
+def test_without_feedback_a_pantograph_presses_as_below_a_rigid_wire() -> None:
+    """Two masses on springs below a contact spring to something fixed, as EN 50318 has them, by SciPy."""
+    known = without_feedback(below({}, 2.0))
+    force = known.loads["front"]
+    assert isinstance(force, MovingForce)
+    assert (force.on, force.travel.start, force.travel.speed) == ("line", pytest.approx(30.0), 30.0)
+    M, k, c, touch = np.array([15.0, 7.2]), (50.0, 4200.0), (90.0, 10.0), 50e3
+    K = np.array([[k[0] + k[1], -k[1]], [-k[1], k[1] + touch]])
+    C = np.array([[c[0] + c[1], -c[1]], [-c[1], c[1]]])
+
+    def rate(t: float, y: np.ndarray) -> np.ndarray:
+        push = np.array([120.0 * min(t / 0.3, 1.0), 0.0])
+        return np.concatenate([y[2:], (push - K @ y[:2] - C @ y[2:]) / M])
+
+    t, values = np.array(force.force.time), np.array(force.force.value)
+    exact = touch * solve_ivp(rate, (0.0, 2.0), np.zeros(4), t_eval=t, rtol=1e-9, atol=1e-12, max_step=0.01).y[1]
+    assert exact.min() > -1e-9  # it does not leave the wire
+    assert values[:, 1] == pytest.approx(exact, abs=0.3)  # N; contact wires give way by 5e-6 m of the head's 2.4 mm
+    assert np.abs(values[:, 0]).max() == 0.0
+
+
+def test_without_feedback_a_pantograph_goes_over_to_the_line_beside() -> None:
+    """One wire rises by 0.4 m, the other comes down: below rigid ones the lower bears, and both where they cross."""
+    first = {**SPANS, "heights": [0.0, 0.0, 0.02, 0.4], "overlap": "next"}
+    then = {**SPANS, "heights": [0.4, 0.02, 0.0, 0.0], "start": [40.0, 0.0]}
+    tree = below({"travel": {"speed": 20.0, "from": 30.0}}, 3.4, line=first, next=then)
+    known = without_feedback(tree)
+    assert list(known.loads) == ["front", "front-next"]
+    one, other = (known.loads[name] for name in known.loads)
+    assert (one.on, other.on) == ("line", "next")
+    t = np.array(one.force.time)
+    ours, theirs = (np.array(load.force.value)[:, 1] for load in (one, other))
+    crossing = (60.0 - 30.0) / 20.0  # s, in the middle of both middle spans: 60 m
+    assert np.abs(theirs[t < crossing - 0.4]).max() < 1e-6
+    assert np.abs(ours[t > crossing + 0.6]).max() < 1e-6
+    assert (ours + theirs)[t > 2.8].mean() == pytest.approx(120.0, abs=3.0)
+    found = feedback(tree)
+    assert set(found.wheels) == {"front", "front.next"}
+    assert found.lines["next.contact"]["largest_deflection"]["with"]["value"] > 1e-3
+    assert json.dumps(found.as_dict(), allow_nan=False)
+
+
+def test_models_of_ones_own_on_beams_are_refused_with_a_place() -> None:
     own = {"kind": "stepper", "model": "nowhere:Model", "every": 0.01, "from": 1.0}
     tree = {**STRUCTURES["beam"], "loads": {"model": {"on": "line", **own}}, "run": {"kind": "dynamic", "until": 0.5}}
     with pytest.raises(ScenarioError, match=r"loads\.model\.kind: is not implemented for a run without feedback"):

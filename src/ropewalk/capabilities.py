@@ -250,9 +250,6 @@ def check_without_feedback(scenario: Scenario) -> None:
         ScenarioError: there is such a load.
     """
     what = "a run without feedback"
-    for name, line in scenario.lines.items():
-        if line.profile is not None:
-            raise refusal(missing(("lines", name, "profile"), what, remedy="leave it out"))
     for name, load in scenario.loads.items():
         if isinstance(load, Crowd):
             raise refusal(missing(("loads", name, "kind"), what, load.kind, "write its people one by one as footsteps"))
@@ -263,10 +260,9 @@ def check_without_feedback(scenario: Scenario) -> None:
         if getattr(load, "also_on", ()):
             wrong, remedy = "on rigid ground nothing tells which of its lines bears how much", "name one line only"
             raise ScenarioError([Problem(f"loads.{name}.also_on", wrong, remedy=remedy)])
-        if isinstance(load, Pantograph) or (isinstance(load, ExternalModel) and engine_of(scenario) is WIRES):
-            where = "" if isinstance(load, Pantograph) else " of beams"
+        if isinstance(load, ExternalModel) and engine_of(scenario) is WIRES:
             remedy = "leave it out, or ask for ropewalk compare"
-            raise refusal(missing(("loads", name, "kind"), what + where, load.kind, remedy))
+            raise refusal(missing(("loads", name, "kind"), f"{what} of beams", load.kind, remedy))
         if load.on in scenario.nets and isinstance(load, MovingMass) and not isinstance(load.travel.speed, float):
             feature, given = "a mass on a net whose speed varies", "a speed that varies"
             raise refusal(missing(("loads", name, "travel", "speed"), what, given, "write one number", feature=feature))

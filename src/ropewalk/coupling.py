@@ -134,7 +134,9 @@ def _lines(scenario: Scenario, coupled: xr.Dataset, without: xr.Dataset) -> dict
         xi, middle, time = (coupled[key].values for key in ("xi", "link_xi", "time"))
         deflection, tension = [], []
         for result in (coupled, without):
-            deflection.append(largest(level - result["position"].values[:, here, -1], xi[here], time))
+            moved = level - result["position"].values[:, here, -1]
+            upwards = bool(scenario.overhead_lines)  # as pantographs press
+            deflection.append(largest(np.abs(moved) if upwards else moved, xi[here], time))
             if links.size:
                 tension.append(largest(result["tension"].values[:, links], middle[links], time))
         if not links.size:  # a net: its nodes have no place along it, and it pulls per width

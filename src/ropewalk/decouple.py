@@ -10,8 +10,10 @@ from __future__ import annotations
 
 import copy
 import math
+import tempfile
 from dataclasses import dataclass
 from itertools import count, pairwise
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,6 +32,7 @@ from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.pantograph import Pantograph
+from ropewalk.model.profile import Profile
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Start, every_of
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.stepper import Stepper
@@ -38,14 +41,17 @@ from ropewalk.model.trolley import Trolley
 from ropewalk.model.vehicle import Vehicle
 from ropewalk.model.walker import Walker
 from ropewalk.results.contract import doubts_of
+from ropewalk.rigid_overhead_lines import forces_of_pantograph
 from ropewalk.simulate import simulate
 from ropewalk.solve.start import setting_of
 from ropewalk.solve.vehicle_statics import resting_forces
+from ropewalk.system.elements.profile import rows_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
 TAUT = 5e4  # tension of ground over the weight on it: it gives way by 5e-6 of its length
+TAUTER = 3e7  # the same of ground with a profile, whose heights are of millimetres
 STRETCH = 0.5  # strain of ground: its longitudinal waves, which set the step, are not much faster than the others
 LINKS = 20  # of ground: many would cost steps, and a straight line needs none; but every wheel wants its own
 # Mass of a link of ground over that of the load, at most and at least, and over that of a wheel. Half a link hangs on
@@ -83,27 +89,34 @@ def cut(scenario: Scenario) -> tuple[Scenario, dict[str, tuple[str, ...]]]:
     if isinstance(run, Dynamic) and run.start.kind == "result":
         wrong, remedy = "a stored result has other loads than a run without feedback", "start from rest"
         raise ScenarioError([Problem("run.start.kind", wrong, "result", remedy)])
-    loads: dict[str, AnyLoad] = {n: load for n, load in scenario.loads.items() if is_force(load)}
-    heavy = {name: load for name, load in scenario.loads.items() if name not in loads}
+    heavy = {name: load for name, load in scenario.loads.items() if not is_force(load)}
     if not heavy:
         return scenario, {}
-    taken, names = set(scenario.loads), {}
-    static = _static_forces(scenario, [name for name, load in heavy.items() if rests_within_itself(load)])
-    moving = [name for name in heavy if not rests_within_itself(heavy[name])]
-    grounds = {name: _Ground.run(scenario, name) for name in moving}
-    for wheel in wheels_of(scenario):
-        if wheel.load in loads and is_force(loads[wheel.load]):
+    taken, names = set(scenario.loads), dict[str, tuple[str, ...]]()
+    resting = [name for name, load in heavy.items() if presses_evenly(scenario, load)]
+    static = _static_forces(scenario, resting)
+    moving = [name for name in heavy if name not in resting]
+    grounds = {name: _Ground.run(scenario, name) for name in moving if not isinstance(heavy[name], Pantograph)}
+    made: dict[str, dict[str, AnyLoad]] = {name: {} for name in heavy}
+    for name, load in heavy.items():
+        if isinstance(load, Pantograph):
+            for contact, force in forces_of_pantograph(scenario, name).items():
+                own = _names(name, contact.removeprefix(name).replace(".", "-").removeprefix("-"), 1, taken)
+                made[name][own[0]], names[contact] = force, tuple(own)
+    rolling = {name: load for name, load in scenario.loads.items() if not isinstance(load, Pantograph)}
+    for wheel in wheels_of(scenario.model_copy(update={"loads": rolling})):
+        if wheel.load not in heavy:
             continue
         load = heavy[wheel.load]
         if wheel.load not in moving:
             forces = [standing_force(load, wheel, static[wheel.name])]
         else:
             forces = grounds[wheel.load].forces(load, wheel)
-        own = _names(wheel, len(forces), taken)
-        loads.update(zip(own, forces, strict=True))
+        own = _names(wheel.load, wheel.part, len(forces), taken)
+        made[wheel.load].update(zip(own, forces, strict=True))
         names[wheel.name] = tuple(own)
-    order = [n for wheel in wheels_of(scenario) for n in names.get(wheel.name, (wheel.load,))]
-    loads = {name: loads[name] for name in dict.fromkeys(order)}
+    given = {name: made.get(name, {name: load}) for name, load in scenario.loads.items()}
+    loads = {name: load for own in given.values() for name, load in own.items()}
     title = f"{scenario.title}, without feedback"
     kept = {key: getattr(scenario, key) for key in Scenario.model_fields}
     return Scenario(**{**kept, "title": title, "loads": loads}), names
@@ -112,6 +125,12 @@ def cut(scenario: Scenario) -> tuple[Scenario, dict[str, tuple[str, ...]]]:
 def is_force(load: AnyLoad) -> bool:
     """Whether a load is nothing but given forces."""
     return isinstance(load, GivenForces) or (isinstance(load, Footsteps) and load.balance is None)
+
+
+def presses_evenly(scenario: Scenario, load: AnyLoad) -> bool:
+    """Whether the force of a load on ground, with the profile of its line, does not change."""
+    line = scenario.lines.get(load.on)
+    return rests_within_itself(load) and (line is None or line.profile is None)
 
 
 def rests_within_itself(load: AnyLoad) -> bool:
@@ -124,11 +143,11 @@ def rests_within_itself(load: AnyLoad) -> bool:
     return not (getattr(load, "air_drag", 0.0) or (load.lift_off and load.side == "below"))
 
 
-def _names(wheel: ContactPoint, forces: int, taken: set[str]) -> list[str]:
-    """Names of the forces that replace a wheel: that of the load where there is only one."""
-    if not wheel.part and forces == 1:
-        return [wheel.load]
-    stem = f"{wheel.load}-{wheel.part}" if wheel.part else wheel.load
+def _names(load: str, part: str, forces: int, taken: set[str]) -> list[str]:
+    """Names of the forces that replace a part of a load: that of the load where there is only one."""
+    if not part and forces == 1:
+        return [load]
+    stem = f"{load}-{part}" if part else load
     own = []
     for number in range(1, forces + 1):
         name = stem if forces == 1 else f"{stem}-{number}"
@@ -210,6 +229,14 @@ class _Ground:
         run, load = scenario.run, scenario.loads[name]
         assert isinstance(run, Dynamic)
         ground, load = _ground_of(scenario, name, run.until)
+        with tempfile.TemporaryDirectory() as folder:
+            ground = _with_profile(scenario, name, ground, load, Path(folder) / "profile.csv")
+            return cls._run(scenario, name, ground, load)
+
+    @classmethod
+    def _run(cls, scenario: Scenario, name: str, ground: Line, load: AnyLoad) -> _Ground:
+        run = scenario.run
+        assert isinstance(run, Dynamic)
         every = min(every_of(run), run.until / SAMPLES)
         falls = isinstance(load, Trolley) and load.payload.at is not None
         start = Start(with_loads=not (falls or isinstance(load, ExternalModel | Footsteps)))
@@ -268,6 +295,22 @@ def _ground_of(scenario: Scenario, name: str, until: float) -> tuple[Line, AnyLo
     return _on_ground(name, load, line, length, until, scenario.gravity)
 
 
+def _with_profile(scenario: Scenario, name: str, ground: Line, load: AnyLoad, file: Path) -> Line:
+    """Ground with the profile of the line of a load, written to a file, which goes along with it as it is stretched."""
+    own, run = scenario.loads[name], scenario.run
+    line = scenario.lines.get(own.on)
+    if line is None or line.profile is None:
+        return ground
+    assert isinstance(run, Dynamic)
+    s, z = rows_of(scenario, own.on, line.length or line.distance, run.until)
+    if isinstance(own, Travelling) and isinstance(own.travel, Travel):  # it begins in the middle of its ground
+        assert isinstance(load, Travelling)
+        level = abs(ground.end[0] - ground.start[0]) / ground.distance if own.travel.measured == "horizontal" else 1.0
+        s = s + (load.travel.start - own.travel.start) / max(level, 1e-9)
+    np.savetxt(file, np.stack([s / (1.0 + STRETCH), z], axis=1), delimiter=",", fmt="%.17g")
+    return ground.model_copy(update={"profile": Profile(file=str(file))})
+
+
 def _on_ground(
     name: str, load: AnyLoad, line: Line, length: float, until: float, gravity: float
 ) -> tuple[Line, AnyLoad]:
@@ -311,7 +354,7 @@ def _on_ground(
         if isinstance(load, Stepper):
             own["model"] = copy.deepcopy(load.model)  # what it remembers of one run is not for the other
     whole, wheel = _masses(load)
-    tension = TAUT * whole * max(gravity, 1.0)
+    tension = (TAUT if line.profile is None else TAUTER) * whole * max(gravity, 1.0)
     h = length / (1.0 + STRETCH) / links
     mass = whole * max(min(LIGHT, LIGHT_FOR_WHEEL * wheel / whole), LIGHTEST) / h
     stiffness, drag = tension / STRETCH, 4.0 * math.sqrt(tension / mass) / length

@@ -89,10 +89,19 @@ def _adequacy(tree: Tree, options: Tree) -> Verdict:
         workers=1,
     )
     if not np.isfinite(found.of()).any():
-        return Verdict(
-            REFUSED, "; ".join(reason for row in found.reasons for reason in row if reason) or "no distances"
-        )
+        said = "; ".join(reason for row in found.reasons for reason in row if reason)
+        return Verdict(REFUSED, said or _why_not_linear(tree))
     return Verdict(WORKS)
+
+
+def _why_not_linear(tree: Tree) -> str:
+    """Why nothing is known of how far the linear theory is from the full model."""
+    from ropewalk.compare import model_hierarchy
+
+    steps = model_hierarchy(read_scenario(tree)).models
+    step = steps["linear"]
+    step = steps[step.same_as] if step.same_as else step
+    return step.reason or "; ".join(step.doubts) or "no distances"
 
 
 def _export_load(tree: Tree, options: Tree) -> Verdict:

@@ -10,7 +10,8 @@ import pytest
 import xarray as xr
 
 from gait_cases import GAIT
-from ropewalk.mechanics.footfall import Footfall, outwards
+from ropewalk.mechanics.footfall import Footfall
+from ropewalk.mechanics.sideways import Sideways
 from ropewalk.model import Dynamic, Footsteps, Line, Scenario
 from ropewalk.simulate import simulate
 from ropewalk.theory import gait, lateral_balance
@@ -23,6 +24,7 @@ DECK = {"start": (0, 0), "end": (20, 0), "tension": 160e3, "mass": 100.0, "axial
 WALKER = {"kind": "walker", "speed": GAIT.speed, "from": 3.0, "balance": {"height": 1.17, "width": 0.0157}}
 STEPPING = {"kind": "footsteps", "mass": 70.0, "frequency": 2.0, "step_length": 0.6, "from": 2.0, "lateral": "bachmann"}
 HIM = {"margin": 0.0157, "leg_length": 1.17}
+ALONG_X = Sideways.across(np.array([[1.0, 0.0]]), "end", "left")
 RATE = float(np.sqrt(GRAVITY / 1.17))
 STIFFNESS = 80.0 * RATE**2
 
@@ -50,7 +52,7 @@ def integral(t: np.ndarray, values: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize(("model", "amplitudes"), [("bachmann", (0.1, 0.1)), ("setra", (0.05,))])
 def test_both_feet_together_push_with_the_published_force(model: str, amplitudes: tuple[float, ...]) -> None:
     spring_leg_walker = Footsteps(on="line", mass=70.0, frequency=1.8, lateral=model, overlap=0.3)
-    feet = [Footfall(spring_leg_walker, foot, GRAVITY, np.array([0.0, 1.0])) for foot in (0, 1)]
+    feet = [Footfall(spring_leg_walker, foot, GRAVITY, ALONG_X) for foot in (0, 1)]
     t = feet[0].instants(3.0)
     total = sum(foot(t)[:, 1] for foot in feet)
     exact = 70.0 * GRAVITY * sum(a * np.sin((2 * j + 1) * np.pi * 1.8 * t) for j, a in enumerate(amplitudes))
@@ -61,14 +63,14 @@ def test_both_feet_together_push_with_the_published_force(model: str, amplitudes
     listed = Footsteps.model_validate(
         {"on": "line", "mass": 70.0, "frequency": 1.8, "lateral": [{"amplitude": 0.5, "phase": np.arctan2(3.0, 4.0)}]}
     )
-    both = sum(Footfall(listed, foot, GRAVITY, np.array([0.0, 1.0]))(np.array([0.0, 0.5 / 1.8])) for foot in (0, 1))
+    both = sum(Footfall(listed, foot, GRAVITY, ALONG_X)(np.array([0.0, 0.5 / 1.8])) for foot in (0, 1))
     assert both[:, 1] == pytest.approx(half, rel=1e-12)
 
 
 def test_the_force_to_the_side_has_odd_multiples_of_half_the_step_frequency_only() -> None:
     spring_leg_walker = Footsteps(on="line", mass=70.0, frequency=2.0, lateral="bachmann")
     t = 1.0 + np.arange(512) / 512.0  # two steps, after the first one
-    total = sum(Footfall(spring_leg_walker, foot, GRAVITY, np.array([0.0, 1.0]))(t)[:, 1] for foot in (0, 1))
+    total = sum(Footfall(spring_leg_walker, foot, GRAVITY, ALONG_X)(t)[:, 1] for foot in (0, 1))
     lines = 2.0 * np.abs(np.fft.rfft(total))[:16] / t.size / (70.0 * GRAVITY)
     expected = np.zeros(16)
     expected[[1, 3]] = 0.1
@@ -76,14 +78,17 @@ def test_the_force_to_the_side_has_odd_multiples_of_half_the_step_frequency_only
 
 
 def test_it_pushes_across_the_chord_and_level() -> None:
-    straight = Line.model_validate(DECK)
-    assert outwards(straight, "end", "left") == pytest.approx([0.0, 1.0])
-    assert outwards(straight, "end", "right") == pytest.approx([0.0, -1.0])
-    assert outwards(straight, "start", "left") == pytest.approx([0.0, -1.0])
-    oblique = Line.model_validate({**DECK, "start": (1, 2, 0), "end": (4, 6, 12)})
-    assert outwards(oblique, "end", "left") == pytest.approx([-0.8, 0.6])
-    upright = Line.model_validate({**DECK, "start": (0, 0, 0), "end": (0, 0, 12)})
-    assert outwards(upright, "end", "left") == pytest.approx([0.0, 1.0])
+    def side(towards: str, foot: str, **ends: Any) -> np.ndarray:
+        load = {"kind": "footsteps", "on": "line", "mass": 70.0, "towards": towards, "from": 5.0}
+        scenario = {"lines": {"line": {**DECK, **ends}}, "loads": {"her": load}}
+        known = Scenario.model_validate({**scenario, "run": {"kind": "dynamic", "until": 0.1}})
+        return Sideways.of(known, known.loads["her"], foot).side[0]
+
+    assert side("end", "left") == pytest.approx([0.0, 1.0])
+    assert side("end", "right") == pytest.approx([0.0, -1.0])
+    assert side("start", "left") == pytest.approx([0.0, -1.0])
+    assert side("end", "left", start=(1, 2, 0), end=(4, 6, 12)) == pytest.approx([-0.8, 0.6])
+    assert side("end", "left", start=(0, 0, 0), end=(0, 0, 12)) == pytest.approx([0.0, 1.0])
 
 
 @pytest.fixture(scope="module")

@@ -11,8 +11,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from ropewalk.decouple import without_feedback
 from ropewalk.errors import ScenarioError
 from ropewalk.mechanics.profile_spectra import density, profile_of
+from ropewalk.model.history import ForceTable
+from ropewalk.model.load import MovingForce
 from ropewalk.model.scenario import Scenario
 from ropewalk.scenario import loads
 from ropewalk.simulate import simulate
@@ -200,8 +203,117 @@ def test_a_profile_does_not_depend_on_how_far_it_is_asked_for() -> None:
     assert np.abs(other - z).max() > 1e-3
 
 
+def walks(profile: str | None, **deck: Any) -> Any:
+    """A walker on a beam that hardly gives way, who begins above 3 m of level way."""
+    q = float(np.linalg.norm(deck.get("end", [10.0, 0.0]))) / 10.0
+    beam = {
+        "start": [0.0, 0.0], "end": [10.0, 0.0], "length": 10.0 * q, "mass": 1000.0, "axial_stiffness": 1e9,
+        "bending_stiffness": 1e11, "elements": 8, **deck, **({"profile": {"file": profile}} if profile else {}),
+    }  # fmt: skip
+    her = {"kind": "walker", "on": "deck", "from": 3.0 * q, **({"balance": {}} if len(beam["end"]) == 3 else {})}
+    run = {"kind": "dynamic", "until": 0.9, "every": 0.05, "method": "verlet"}
+    found = simulate(read({"lines": {"deck": beam}, "loads": {"her": her}, "run": run}))
+    assert found.attrs["outcome"] == "completed"
+    assert np.abs(found["energy"].sel(form="imbalance")).max() < 0.01  # J of 800 J
+    assert np.isfinite(found["contact_xi"].to_numpy()).any(axis=0).all()  # both feet have stood
+    return found
+
+
+def a_rise(file: Path, slope: float, height: float = 0.0) -> str:
+    """A file of a way that rises evenly."""
+    x = np.array([-5.0, 12.0])
+    np.savetxt(file, np.stack([x, height + slope * x], axis=1), delimiter=",", fmt="%.17g")
+    return str(file)
+
+
+def test_a_walker_on_a_level_profile_walks_as_on_none(tmp_path: Path) -> None:
+    plain = walks(None)["body_position"].to_numpy()
+    assert np.abs(walks(a_rise(tmp_path / "flat.csv", 0.0))["body_position"].to_numpy() - plain).max() < 1e-12
+    raised = walks(a_rise(tmp_path / "raised.csv", 0.0, 0.3))["body_position"].to_numpy()
+    assert np.abs(raised - plain - [0.0, 0.3]).max() < 1e-8  # rounding, and where feet are found to land
+
+
+@pytest.mark.parametrize("end", [[10.0, 0.5], [10.0, 0.0, 0.5]], ids=["plane", "aside"])
+def test_a_walker_climbs_a_profile_as_an_inclined_line(end: list[float], tmp_path: Path) -> None:
+    """The beam is compressed by 5e-8 m where it is inclined; a body that balances falls as exp(2.9 t) from there."""
+    level = [*end[:-1], 0.0]
+    over = walks(a_rise(tmp_path / "rise.csv", 0.05), end=level, start=[0.0] * len(end))
+    on = walks(None, end=end, start=[0.0] * len(end))
+    assert np.abs(over["body_position"].to_numpy() - on["body_position"].to_numpy()).max() < 1e-5
+    force = [np.nan_to_num(found["contact_force"].to_numpy()).sum(axis=1) for found in (over, on)]
+    assert np.abs(force[0] - force[1]).max() < 0.05  # N of 1600
+
+
+class Sprung:
+    """A sprung mass that rolls along as a model of a user's own: exact where its wheel moves evenly."""
+
+    def __init__(self) -> None:
+        self.z = self.v = self.base = 0.0
+
+    def reset(self, line: Any) -> None:
+        self.base = float(line.at(0.0)[0][-1])
+        self.z, self.v = self.base, HEIGHT * RATE
+
+    def step(self, t: float, h: float, line: Any) -> list[Any]:
+        place = float(line.at(SPEED * t)[0][-1])
+        rise = (place - self.base) / h if t > 0.0 else HEIGHT * RATE
+        if t > 0.0:
+            root = (-DAMPING + np.sqrt(complex(DAMPING**2 - 4.0 * STIFFNESS * MASS))) / (2.0 * MASS)
+            x, w = self.z - self.base, self.v - rise  # above its wheel
+            c = (w - root.conjugate() * x) / (root - root.conjugate()) * np.exp(root * h)
+            self.z, self.v = place + 2.0 * c.real, rise + 2.0 * (root * c).real
+            self.base = place
+        force = STIFFNESS * (self.z - place) + DAMPING * (self.v - rise)
+        return [(SPEED * t, [0.0, force], SPEED)]
+
+
+def test_a_model_of_ones_own_sees_the_line_with_its_profile(tmp_path: Path) -> None:
+    """The same sprung mass as a model that is asked a thousand times a second: its wheel goes straight in between."""
+    own = rig({"file": rows(tmp_path / "sine.csv")}, {**DYNAMIC, "until": 1.5})
+    own["loads"] = {"car": {"kind": "stepper", "on": "deck", "model": "MODEL", "every": 1e-3}}
+    scenario = Scenario.model_validate({**own, "loads": {"car": {**own["loads"]["car"], "model": Sprung()}}})
+    found = simulate(scenario)
+    assert found.attrs["outcome"] == "completed"
+    t, force = found["time"].to_numpy(), found["contact_force"].to_numpy()[:, 0, -1]
+    exact = -MASS * base_excited(t, 0.0)[1]
+    on = (t > 0.1) & (t < 1.45)
+    assert np.abs(force - exact)[on].max() < 2e-3 * np.abs(exact).max()  # twice what was seen
+    place = found["contact_position"].to_numpy()[:, 0]
+    assert np.abs(place[on, 1] - HEIGHT * np.sin(2.0 * np.pi * SPEED / WAVE * t[on])).max() < 2e-5
+
+
+@pytest.mark.parametrize("start", [0.0, 5.0])
+def test_without_feedback_a_sprung_mass_presses_as_on_a_rigid_way(start: float, tmp_path: Path) -> None:
+    """In closed form, on a bridge that bends by centimetres; ground gives way by 3e-6 m, and its links have a mass."""
+    car = rig({"file": rows(tmp_path / "sine.csv")}, {**DYNAMIC, "until": 1.2}, start)
+    car["lines"]["deck"] |= {"bending_stiffness": 1e8}
+    alone = without_feedback(read(car)).loads["car"]
+    assert isinstance(alone, MovingForce)
+    assert isinstance(alone.force, ForceTable)
+    t, force = np.array(alone.force.time), np.array(alone.force.value)
+    exact = -MASS * (9.81 + base_excited(t, start)[1])
+    assert np.abs(force[:, 1] - exact).max() < 2e-3 * np.abs(exact).max()  # twice what was seen
+    assert np.abs(force[:, 0]).max() < 1.0
+    assert alone.travel.start == start
+
+
+@pytest.mark.parametrize("measured", ["material", "horizontal"])
+def test_without_feedback_a_mass_presses_with_its_inertia_over_waves(measured: str, tmp_path: Path) -> None:
+    """On a deck that rises by 5 % as well, along which its travel is measured, or level."""
+    level = float(np.sqrt(1.0 - 0.05**2)) if measured == "horizontal" else 1.0
+    scenario = rig({"file": rows(tmp_path / "sine.csv")}, {**DYNAMIC, "until": 1.0, "start": {"with_loads": True}})
+    travel = {"speed": 16.0, "measured": measured, "from": 4.0, "at_end": "leave"}
+    scenario["lines"]["deck"] |= {"bending_stiffness": 1e8, "end": [float(np.sqrt(1596.0)), 2.0]}
+    scenario |= {"gravity": 9.81, "loads": {"mass": {"kind": "mass", "on": "deck", "mass": 50.0, "travel": travel}}}
+    force = without_feedback(read(scenario)).loads["mass"].force
+    t, along = np.array(force.time), 16.0 / level
+    s = 4.0 / level + along * t
+    exact = -50.0 * (9.81 - HEIGHT * (2.0 * np.pi / WAVE * along) ** 2 * np.sin(2.0 * np.pi / WAVE * s))
+    late = t > 0.1  # as it begins, it rests, and comes to the speed of its way all of a sudden
+    assert np.abs(np.array(force.value)[late, 1] - exact[late]).max() < 1e-3 * 50.0 * 9.81
+
+
 REFUSED = {
-    "a walker": ("loads", {"kind": "walker", "on": "deck"}, "a load of kind walker on a profile"),
     "rkn6": ("run", {"kind": "dynamic", "until": 0.1, "method": "rkn6"}, "rkn6 with a profile"),
     "implicit": ("run", {"kind": "dynamic", "until": 0.1, "method": "implicit"}, "implicit with a profile"),
 }

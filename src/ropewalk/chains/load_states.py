@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ropewalk.mechanics.bodies import AWAY, FLYING, INSIDE, LOCATED, MOVING_WITH, PULLS, PUSHES, WAITING, Bodies
+from ropewalk.mechanics.bodies import AWAY, FLYING, INSIDE, LOCATED, MOVING_WITH, WAITING, Bodies
 from ropewalk.mechanics.chain import Array, ChainState
 from ropewalk.mechanics.moving_contact import link_of
 from ropewalk.mechanics.multibody_system import FIRM
 from ropewalk.results.frame import IN_AIR, MOVES, OFF_LINE, STICKS
 from ropewalk.solve.start import PreparedRun, onward
+from ropewalk.solve.vehicle_statics import potential_of
 
 
 @dataclass(frozen=True)
@@ -104,33 +105,16 @@ def displayed_bodies(setting: PreparedRun, r: Array, bodies: Bodies) -> tuple[Ar
 
 def load_energies(setting: PreparedRun, bodies: Bodies) -> dict[str, float]:
     """Kinetic and potential energy of all loads, J."""
-    strands, dim = setting.strands, len(setting.axes)
-    z = dim - 1
-    wheels = bodies.wheels
-    mass, v, r = wheels["mass"][:, :dim], wheels["v"][:, :dim], wheels["r"][:, :dim]
+    dim, wheels = len(setting.axes), bodies.wheels
+    mass, v = wheels["mass"][:, :dim], wheels["v"][:, :dim]
     kinetic = 0.5 * float((mass * v * v).sum())
-    potential = -float((mass[:, z] * strands.gravity[z] * r[:, z]).sum())
     for i, vehicle in enumerate(bodies.vehicles):
         n, count, first = int(vehicle["coordinates"]), int(vehicle["wheels"]), int(vehicle["first"])
-        size, own = n + count, slice(first, first + n)
-        locations = (bodies.wheel[i, :count], bodies.axis[i, :count])
-        u = np.concatenate((bodies.coordinates["q"][own], r[locations]))
-        rate = np.concatenate((bodies.coordinates["v"][own], v[locations]))
+        size, locations = n + count, (bodies.wheel[i, :count], bodies.axis[i, :count])
+        rate = np.concatenate((bodies.coordinates["v"][first : first + n], v[locations]))
         rate[np.diag(bodies.M[i])[:size] == FIRM] = 0.0  # what only its owner moves
         kinetic += 0.5 * float(rate @ bodies.M[i, :size, :size] @ rate)
-        potential += 0.5 * float(u @ bodies.K[i, :size, :size] @ u) - float(bodies.load[i, :size] @ u)
-    for tether in bodies.tethers:
-        if tether["on"]:
-            own = slice(int(tether["first"]), int(tether["first"]) + dim)
-            way = bodies.coordinates["q"][own] - r[tether["wheel"]]
-            across = tether["across"][:dim]
-            longer = float(np.linalg.norm(way - (across @ way) * across)) - float(tether["length"])
-            if (tether["way"] == PULLS and longer < 0.0) or (tether["way"] == PUSHES and longer > 0.0):
-                continue
-            potential += 0.5 * float(tether["stiffness"]) * longer * longer
-    for buffer in bodies.buffers:
-        deep = buffer["side"] * (r[buffer["wheel"], z] - bodies.coordinates["q"][buffer["coordinate"]])
-        potential += 0.5 * float(buffer["stiffness"]) * max(float(deep), 0.0) ** 2
+    potential = potential_of(bodies, setting.strands.gravity)
     return {"load_kinetic": kinetic, "load_potential": potential}
 
 

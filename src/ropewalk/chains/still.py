@@ -95,7 +95,7 @@ def loaded_frame(setting: PreparedRun, at: LoadPosition) -> Frame:
     nodes, bodies = np.concatenate(position), np.zeros((0, dim))
     potential = 0.0
     if setting.multibody_system is not None:
-        loaded = loaded_bodies(setting, seen.position.T)
+        loaded = loaded_bodies(setting.multibody_system.bodies, seen.position.T)
         bodies = displayed_bodies(setting, nodes.T, loaded)[0]
         potential = load_energies(setting, loaded)["load_potential"]
     seen.hold, seen.xi, seen.speed = seen.force - at.given, at.xi.copy(), np.zeros(count)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ropewalk.compare.constant import ConstantForces, contacts_in, without_refusal
 from ropewalk.compare.pressing import pressing_task
-from ropewalk.decouple import cut, is_force, rests_within_itself
+from ropewalk.decouple import cut, is_force, presses_evenly
 from ropewalk.errors import Problem, RopewalkError, ScenarioError
 from ropewalk.model.crowd import Crowd
 from ropewalk.model.footsteps import Footsteps
@@ -211,7 +211,7 @@ class FullModel:
     def _cut(self) -> SimplerModel:
         if self._all(GivenForces, Footsteps):
             return SimplerModel(CUT, same_as=FULL)
-        if all(isinstance(load, GivenForces) or rests_within_itself(load) for load in self.top.loads.values()):
+        if all(isinstance(load, GivenForces) or presses_evenly(self.top, load) for load in self.top.loads.values()):
             return SimplerModel(CUT, same_as=FORCE)
         if self._all(Pantograph):
             return SimplerModel(CUT, same_as=FORCE, remark="under a level, rigid wire a pantograph presses evenly")

@@ -10,9 +10,9 @@ from ropewalk.controllers.partner import Partner
 from ropewalk.controllers.spring_leg_walker import SpringLegWalker
 from ropewalk.controllers.steps import Steps
 from ropewalk.external.models import cosimulation_of
-from ropewalk.mechanics.footfall import outwards
 from ropewalk.mechanics.loading import Loading
 from ropewalk.mechanics.multibody_system import MultibodySystem
+from ropewalk.mechanics.sideways import Sideways
 from ropewalk.model.fmu import Fmu
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.run import Dynamic
@@ -77,7 +77,7 @@ def _upright(
     stands = bodies.vehicles["wheels"][:, None] > np.arange(bodies.wheel.shape[1])
     vehicle = int(np.flatnonzero(((bodies.wheel == feet[0]) & stands).any(axis=1))[0])
     first, count = (int(bodies.vehicles[vehicle][key]) for key in ("first", "coordinates"))
-    left = np.append(outwards(scenario.lines.get(load.on), load.towards, "left"), 0.0)
+    left = np.append(Sideways.of(scenario, load, "left").side[0], 0.0)
     to_left = left if isinstance(load, Walker) else np.ones(1)
     own = slice(first, first + count - 1)
     return Upright(carrier, load.balance, load.mass, load.first_foot, feet, own, vehicle, left, to_left)

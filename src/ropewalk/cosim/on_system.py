@@ -93,7 +93,7 @@ class OnSystem(OnCarrier):
         xi = min(max(given.xi, 0.0), line.length) if np.isfinite(given.xi) else 0.0
         aside = _BESIDE * float(self._motion.structure.runs.h[self._motion.structure.lines.first[line.number]])
         behind, ahead = max(xi - aside, 0.0), min(xi + aside, line.length)
-        tangent = (line.spline(ahead)[0] - line.spline(behind)[0]) / (ahead - behind)
+        tangent = (line.way(ahead)[0] - line.way(behind)[0]) / (ahead - behind)
         return self._seen(name, *line.at(xi), tangent, line.length)
 
     def support_forces(self) -> dict[str, Array]:

@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from ropewalk.errors import RopewalkError
-from ropewalk.mechanics.footfall import Footfall, outwards
+from ropewalk.mechanics.footfall import Footfall
+from ropewalk.mechanics.sideways import Sideways
 from ropewalk.model.axles import Axles
 from ropewalk.model.carriage import Carriage
 from ropewalk.model.fmu import Fmu
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import DriveTable, ForceTable, beginning
-from ropewalk.model.line import Line
 from ropewalk.model.load import AnyLoad, ExternalModel, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
@@ -65,14 +65,10 @@ class ContactPoint:
 
 def wheels_of(scenario: Scenario) -> list[ContactPoint]:
     """All wheels of all loads, in order."""
-    return [
-        wheel
-        for name, load in scenario.loads.items()
-        for wheel in _wheels(name, load, scenario.gravity, scenario.lines.get(load.on))
-    ]
+    return [wheel for name, load in scenario.loads.items() for wheel in _wheels(name, load, scenario)]
 
 
-def _wheels(name: str, load: AnyLoad, gravity: float, line: Line | None) -> Iterator[ContactPoint]:
+def _wheels(name: str, load: AnyLoad, scenario: Scenario) -> Iterator[ContactPoint]:
     places = load.starts()
     if isinstance(load, MovingForce):
         yield ContactPoint(
@@ -134,10 +130,10 @@ def _wheels(name: str, load: AnyLoad, gravity: float, line: Line | None) -> Iter
                 **_prescribed(load.travel), mass=load.mass[own][own], lift=_lift(load),
             )  # fmt: skip
     elif isinstance(load, Footsteps):
-        side = outwards(line, load.towards, load.first_foot) if load.lateral else None
+        side = Sideways.of(scenario, load, load.first_foot) if load.lateral else None
         start = places[0].start if load.at_end != "leave" or load.towards == "end" else 0.0  # may be beyond the end
         for number, foot in enumerate(FEET[load.first_foot]):
-            force = Footfall(load, number, gravity, side)
+            force = Footfall(load, number, scenario.gravity, side)
             yield ContactPoint(name, foot, load.on, "material", start, force=force, given=False)
     elif isinstance(load, Walker):
         for foot in FEET[load.first_foot]:

@@ -6,26 +6,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ropewalk.mechanics.chain import Array
-from ropewalk.model.footsteps import FirstFoot, Footsteps
-from ropewalk.model.line import Line, spatial
+from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.mechanics.sideways import Sideways
+from ropewalk.model.footsteps import Footsteps
 
 # Samples of the force in each step: linear in between, the fourth harmonic is right to 1e-3 of its amplitude.
 SAMPLES = 200
 
 
-def outwards(line: Line | None, towards: str, foot: FirstFoot) -> Array:
-    """Level unit vector (x, y) across the chord of a line, to the side of a foot of who walks towards one of its ends.
-
-    On a line without a chord that is level, such as a vertical one, she looks along x; so she does on an overhead line,
-    which runs that way (None).
-    """
-    run = np.zeros(2) if line is None else np.array(spatial(line.end)[:2]) - np.array(spatial(line.start)[:2])
-    if not np.any(run):
-        run = np.array([1.0, 0.0])
-    run = run / np.linalg.norm(run) * (1.0 if towards == "end" else -1.0)
-    left = np.array([-run[1], run[0]])
-    return left if foot == "left" else -left
+def stands_at(gait: Footsteps, number: Array | Integers, length: float) -> Array:
+    """Where steps (step,) of a person stand along a line of a length in m, if she steps on it, m."""
+    place = gait.start + gait.onward * gait.step_length * np.asarray(number, dtype=float)
+    if gait.at_end == "stay":
+        place = np.clip(place, 0.0, length)
+    if gait.at_end == "again":
+        place = np.mod(place, length)
+    return place
 
 
 def footfalls(gait: Footsteps, foot: int, length: float, until: float) -> tuple[Array, Array]:
@@ -45,11 +41,7 @@ def footfalls(gait: Footsteps, foot: int, length: float, until: float) -> tuple[
     """
     period = 1.0 / gait.frequency
     number = np.arange(int(np.ceil(until / period)) + 3)
-    place = gait.start + gait.onward * gait.step_length * number
-    if gait.at_end == "stay":
-        place = np.clip(place, 0.0, length)
-    if gait.at_end == "again":
-        place = np.mod(place, length)
+    place = stands_at(gait, number, length)
     own = number[foot::2]
     begin, end = (own - gait.phase) * period, (own + 1.0 + gait.overlap - gait.phase) * period
     times = np.maximum(np.column_stack([begin, end]).ravel(), 0.0)
@@ -77,15 +69,15 @@ class Footfall:
     gait: Footsteps
     foot: int  # 0: that of steps 0, 2, 4, ...; 1: that of steps 1, 3, 5, ...
     gravity: float  # m/s^2
-    side: Array | None = None  # (2,) x and y of the level direction to the side of the first foot, if it pushes there
+    side: Sideways | None = None  # to the side of the first foot, if it pushes there
 
     def __call__(self, t: float | Array) -> Array:
         """Force (..., axis) in N on the line at the times t in s: [Fx, Fz], [Fx, Fy, Fz] if it pushes to the side."""
         t = np.asarray(t, dtype=float) + self.gait.phase / self.gait.frequency
         vertical = -self._total(t) * self._share(t)
         if self.side is not None:
-            push = self._push(t) * self._share(t)
-            return np.stack((self.side[0] * push, self.side[1] * push, vertical), axis=-1)
+            push, side = self._push(t) * self._share(t), self.side.at(self._place(t, self.side.length))
+            return np.stack((side[..., 0] * push, side[..., 1] * push, vertical), axis=-1)
         return np.stack((np.zeros_like(vertical), vertical), axis=-1)
 
     def instants(self, until: float) -> Array:
@@ -113,6 +105,11 @@ class Footfall:
             for j, term in enumerate(self.gait.lateral_harmonics(), start=1)
         )
         return np.asarray(self.gait.mass * self.gravity * np.sum([*terms, np.zeros_like(t)], axis=0))
+
+    def _place(self, t: Array, length: float) -> Array:
+        """Where this foot stands along a way of a length in m, or stood last, m."""
+        number = np.floor(t * self.gait.frequency * (1.0 + 1e-15))
+        return stands_at(self.gait, np.maximum(number - (number - self.foot) % 2, self.foot), length)
 
     def _share(self, t: Array) -> Array:
         """Part of the force that this foot bears."""

@@ -27,8 +27,8 @@ from ropewalk.mechanics.carriage_masses import carriage
 from ropewalk.mechanics.chain import Array, Strands
 from ropewalk.mechanics.compiled import filled_records, records
 from ropewalk.mechanics.contact_points import ContactPoint
-from ropewalk.mechanics.footfall import outwards
 from ropewalk.mechanics.proximity import shares_links
+from ropewalk.mechanics.sideways import Sideways
 from ropewalk.mechanics.vehicle_matrices import Body, VehicleMatrices
 from ropewalk.model.carriage import Carriage
 from ropewalk.model.footsteps import Footsteps
@@ -94,7 +94,7 @@ def multibody_system_of(
         first = sum(v.coordinates for v in vehicles)
         vehicle, own = _vehicle(name, load, on, dim, first, scenario.gravity, axes)
         if isinstance(load, Walker | Footsteps) and load.balance is not None and vehicle is not None:
-            vehicle = _balancing(vehicle, on, outwards(scenario.lines.get(load.on), load.towards, "left"))
+            vehicle = _balancing(vehicle, on, Sideways.of(scenario, load, "left").side[0])
         displayed += own
         if vehicle is not None:
             vehicles.append(vehicle)

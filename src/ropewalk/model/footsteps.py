@@ -67,9 +67,9 @@ class Footsteps(Declaration):
     (1 + overlap) / frequency; while two feet stand, the force goes over from one to the other. Together they press
     with mg (1 + sum of a_i sin(2 pi i f t - phase_i)), t from when foot 0 landed, whatever the line does:
     `kind: walker` is who responds. With `lateral` they push to the side of the first foot with
-    mg (sum of b_j sin(2 pi (2j - 1) f/2 t - phase_j)), level and across the chord of the line, each foot with its
-    share: the left one to the left, the right one to the right. With `balance` the person responds to how the line
-    moves to the side, and to that alone.
+    mg (sum of b_j sin(2 pi (2j - 1) f/2 t - phase_j)), level and across the chord of the line, or across the path on a
+    net, each foot with its share: the left one to the left, the right one to the right. With `balance` the person
+    responds to how the line moves to the side, and to that alone.
     """
 
     kind: Literal["footsteps"] = "footsteps"

@@ -7,10 +7,9 @@ from collections.abc import Callable
 import numpy as np
 
 from ropewalk.errors import EquilibriumError
-from ropewalk.mechanics.bodies import Bodies
+from ropewalk.mechanics.bodies import PULLS, PUSHES, Bodies
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.loading import Loading
-from ropewalk.solve.start import PreparedRun
 
 # Forces of vehicles agree with the heights of their wheels to this part of the largest force: well above the rounding
 # of rest shapes, far below any other error.
@@ -125,10 +124,9 @@ def _change_of_miss(bodies: Bodies, give_way: Callable[[Array], Array], force: A
     return change
 
 
-def loaded_bodies(setting: PreparedRun, place: Array) -> Bodies:
+def loaded_bodies(bodies: Bodies, place: Array) -> Bodies:
     """A copy of all bodies as they stand on wheels at places (axis, wheel) in m, payloads hanging straight down."""
-    assert setting.multibody_system is not None
-    bodies, dim = setting.multibody_system.bodies.copy(), place.shape[0]
+    bodies, dim = bodies.copy(), place.shape[0]
     bodies.wheels["r"][:, :dim], bodies.wheels["v"], bodies.coordinates["v"] = place.T, 0.0, 0.0
     for v, vehicle in enumerate(bodies.vehicles):
         n, count, first = int(vehicle["coordinates"]), int(vehicle["wheels"]), int(vehicle["first"])
@@ -140,3 +138,28 @@ def loaded_bodies(setting: PreparedRun, place: Array) -> Bodies:
                 hanging[-1] -= tether["length"] - bodies.load[v, dim - 1] / tether["stiffness"]
                 bodies.coordinates["q"][first : first + dim] = hanging
     return bodies
+
+
+def potential_of(bodies: Bodies, gravity: Array) -> float:
+    """Energy of the weights of all bodies, zero at z = 0, and what their springs store, J."""
+    dim = gravity.size
+    r, mass = bodies.wheels["r"][:, :dim], bodies.wheels["mass"][:, dim - 1]
+    total = -float((mass * gravity[-1] * r[:, -1]).sum())
+    for i, vehicle in enumerate(bodies.vehicles):
+        n, count, first = int(vehicle["coordinates"]), int(vehicle["wheels"]), int(vehicle["first"])
+        own, locations = slice(first, first + n), (bodies.wheel[i, :count], bodies.axis[i, :count])
+        u = np.concatenate((bodies.coordinates["q"][own], r[locations]))
+        total += 0.5 * float(u @ bodies.K[i, : u.size, : u.size] @ u) - float(bodies.load[i, : u.size] @ u)
+    for tether in bodies.tethers:
+        if tether["on"]:
+            own = slice(int(tether["first"]), int(tether["first"]) + dim)
+            way = bodies.coordinates["q"][own] - r[tether["wheel"]]
+            across = tether["across"][:dim]
+            longer = float(np.linalg.norm(way - (across @ way) * across)) - float(tether["length"])
+            if (tether["way"] == PULLS and longer < 0.0) or (tether["way"] == PUSHES and longer > 0.0):
+                continue
+            total += 0.5 * float(tether["stiffness"]) * longer * longer
+    for buffer in bodies.buffers:
+        deep = buffer["side"] * (r[buffer["wheel"], -1] - bodies.coordinates["q"][buffer["coordinate"]])
+        total += 0.5 * float(buffer["stiffness"]) * max(float(deep), 0.0) ** 2
+    return total

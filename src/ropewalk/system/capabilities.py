@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
 
 from ropewalk.model._base import Finding
 from ropewalk.model.capabilities import OF_LINEAR_THEORY, Capabilities, supported_by_tension, without_retardation
@@ -86,11 +88,6 @@ def _over_profiles(parts: Parts) -> Iterator[Finding]:
             yield missing(path, "inextensible lines", remedy="leave profile out, or give an axial_stiffness")
         if line.sheaves:
             yield missing(path, "lines over sheaves", remedy="leave profile out")
-        for name_of_load in parts.loads_on(name):
-            load = parts.loads[name_of_load]
-            if isinstance(load, Walker | ExternalModel):
-                feature, remedy = f"a load of kind {load.kind} on a profile", "leave profile out"
-                yield missing(path, _SYSTEM, name_of_load, remedy, feature=feature)
 
 
 def _of_segments(name: str, line: Line) -> Iterator[Finding]:
@@ -300,7 +297,7 @@ def _in_a_window(parts: Parts) -> Iterator[Finding]:
 
 
 def _on_nets(parts: Parts) -> Iterator[Finding]:
-    """A net has no chord across which something could be to the side, and no one direction that holds a force."""
+    """A net has no axis, and who balances on one does so across a straight way."""
     if parts.nets and isinstance(parts.run, Dynamic) and parts.run.start.whirl:
         yield Finding(("run", "start", "whirl"), "a net has no axis to whirl about", "true", "leave whirl out")
     if parts.nets and isinstance(parts.run, Dynamic) and parts.run.axial_inertia != 1.0:
@@ -309,10 +306,20 @@ def _on_nets(parts: Parts) -> Iterator[Finding]:
     for name, load in parts.loads.items():
         if load is None or load.on not in parts.nets:
             continue
-        if isinstance(load, Footsteps) and load.lateral:
-            yield missing(("loads", name, "lateral"), "nets", str(load.lateral), "leave lateral out")
-        if isinstance(load, Walker | Footsteps) and load.balance is not None:
-            yield missing(("loads", name, "balance"), "nets", "a block", "leave balance out")
+        if not isinstance(load, Walker | Footsteps) or load.balance is None or load.path is None:
+            continue
+        if _turns(load.path):
+            path, remedy = ("loads", name, "balance"), "give it a straight path, or leave balance out"
+            yield missing(path, "paths that turn", "a block", remedy)
+
+
+def _turns(path: tuple[tuple[float, ...], ...]) -> bool:
+    """Whether a path on a net has a corner where it goes on in another direction."""
+    runs = [(b[0] - a[0], b[1] - a[1]) for a, b in pairwise(path) if a != b]
+    return any(
+        abs(p * v - q * u) > 1e-9 * math.hypot(p, q) * math.hypot(u, v) or p * u + q * v < 0.0
+        for (p, q), (u, v) in pairwise(runs)
+    )
 
 
 def _of_tracks(parts: Parts) -> Iterator[Finding]:

@@ -10,9 +10,15 @@ from ropewalk.model.joint import Joined
 from ropewalk.model.line import Line
 from ropewalk.model.load import MovingForce
 from ropewalk.model.mass import MovingMass
+from ropewalk.model.matrices import Matrices
 from ropewalk.model.missing import missing
+from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic, Linear
+from ropewalk.model.trolley import Trolley
+from ropewalk.model.vehicle import Vehicle
+
+_KNOWN = Axles | MovingForce | MovingMass | Oscillator | Trolley | Vehicle | Matrices
 
 
 def over_sheaves(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
@@ -40,7 +46,7 @@ def over_sheaves(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
 
 
 def beside_sheaves(parts: Parts) -> Iterator[Finding]:
-    """At rest lines are divided at their sheaves, where loads can be no more than forces at places of lines."""
+    """At rest lines are divided at their sheaves, and where loads stand."""
     what = "lines over sheaves at rest"
     if isinstance(parts.run, Dynamic | Linear) or not parts.runs_over_sheaves:
         return
@@ -51,10 +57,10 @@ def beside_sheaves(parts: Parts) -> Iterator[Finding]:
         if load.on in parts.nets or (line is not None and line.has_bending_stiffness):
             feature, remedy = "a load on a net or a line with bending stiffness", "let it travel on a rope"
             yield missing(("loads", name, "on"), what, load.on, remedy, feature=feature)
-        if not isinstance(load, Axles | MovingForce | MovingMass):
+        if not isinstance(load, _KNOWN):
             remedy = "ask for kind: dynamic, or write kind: force with its weight as force"
             yield missing(("loads", name, "kind"), what, load.kind, remedy)
-        for key, least in (("contact", "clamped"), ("friction", None), ("lift_off", False), ("air_drag", 0.0)):
+        for key, least in (("lift_off", False), ("air_drag", 0.0)):
             if (given := getattr(load, key, least)) != least:
                 yield missing(("loads", name, key), what, str(given), f"leave {key} out")
 

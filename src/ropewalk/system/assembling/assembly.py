@@ -22,6 +22,7 @@ from ropewalk.model.net import CableEdge
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.support import Fixed
 from ropewalk.model.travel import FreeTravel
+from ropewalk.model.walker import Walker
 from ropewalk.system.assembling.assembled import Assembled
 from ropewalk.system.assembling.carriage_assembly import with_carriages
 from ropewalk.system.assembling.laid import Laid
@@ -272,7 +273,7 @@ def contacts_of(
     contacts["led"] = led = [is_led(scenario.loads[wheel.load]) for wheel in wheels]
     contacts["kind"] = FORCE
     contacts["kind"][heavy] = BODY
-    contacts["rolls"] = [isinstance(scenario.loads[wheel.load], Rolling) for wheel in wheels]
+    contacts["rolls"] = [isinstance(scenario.loads[wheel.load], Rolling | Walker | ExternalModel) for wheel in wheels]
     bearing = np.cumsum([not wheels[k].with_last for k in heavy]) - 1  # of some contacts one body, of others theirs
     contacts["first"][heavy] = dim * bearing
     runs, first = structure.runs, structure.lines.first[contacts["line"]]

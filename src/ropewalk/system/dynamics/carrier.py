@@ -23,6 +23,7 @@ from ropewalk.system.contact.contact_record import AWAY, BODY, ON
 from ropewalk.system.contact.tables import Tables
 from ropewalk.system.dynamics import motion
 from ropewalk.system.dynamics.intervals import Intervals, advance
+from ropewalk.system.elements.profile import profile_entry
 from ropewalk.system.elements.spline import WIDTH, share
 from ropewalk.system.elements.structure import DRIVEN, IN_BODIES, STRUCK, Buffers, Structure, SystemState
 from ropewalk.system.loads.bodies import BodyArrays, with_step
@@ -169,22 +170,25 @@ class SystemLine:
         first, last = runs.first[self._runs[0]], runs.first[self._runs[-1]] + runs.links[self._runs[-1]]
         return np.asarray(self.r[:, last] - self.r[:, first])
 
-    def spline(self, xi: float) -> tuple[Array, Array]:
-        """Position in m and velocity in m/s of the spline at xi, (axis,)."""
+    def way(self, xi: float) -> tuple[Array, Array]:
+        """Position in m and velocity in m/s of the spline at xi, with the profile above it, (axis,)."""
         runs, begin = self.structure.runs, self.structure.lines.begin[self._runs]
         run = int(self._runs[max(int(np.searchsorted(begin, xi, side="right")) - 1, 0)])
         n = int(runs.links[run])
         x = min(max((xi - float(self.structure.lines.begin[run])) / float(runs.h[run]), 0.0), float(n))
         base = int(runs.first[run]) + int(share(x, n, self._weight[0], self._weight[1]))
         near, weight = slice(base, base + min(WIDTH, n + 1)), self._weight[0, : min(WIDTH, n + 1)]
-        return self.r[:, near] @ weight, self.v[:, near] @ weight
+        place = self.r[:, near] @ weight
+        if (profiles := self.structure.lines.profiles).knots[self.number]:
+            place[-1] += profile_entry(profiles, self.number, xi)
+        return place, self.v[:, near] @ weight
 
     def at(self, xi: float) -> tuple[Array, Array]:
         """Position in m and velocity in m/s of the line at the unstrained length xi in m from its start, (axis,).
 
         Contacts stand at the tips of kinks; those go down to nothing within a link.
         """
-        place, velocity = self.spline(xi)
+        place, velocity = self.way(xi)
         h = float(self.structure.runs.h[self._runs[0]])
         for s, d in self.kinks:
             place = place + max(1.0 - abs(xi - s) / h, 0.0) * d
@@ -288,10 +292,10 @@ class SystemCarrier:
         dim, tables = state.r.shape[0], self.system.tables
         self._lose_kink(k)
         line = self.line(k)
-        place, velocity = line.spline(xi)
+        place, velocity = line.way(xi)
         if speed:
             behind, ahead = (min(max(xi + way, 0.0), line.length) for way in (-self.reach(k), self.reach(k)))
-            velocity = velocity + speed * (line.spline(ahead)[0] - line.spline(behind)[0]) / (ahead - behind)
+            velocity = velocity + speed * (line.way(ahead)[0] - line.way(behind)[0]) / (ahead - behind)
         contact["state"], contact["been"], contact["comes"] = ON, 1, 0
         contact["begin"] = xi - float(tables.speed_value[contact["speed_first"]]) * self.t
         for name in ("place", "before", "p"):

@@ -14,9 +14,8 @@ import numpy as np
 
 from ropewalk.mechanics.assembly import speed_table
 from ropewalk.mechanics.chain import Array, Integers
-from ropewalk.mechanics.compiled import inlined
+from ropewalk.mechanics.compiled import inlined, lean
 from ropewalk.mechanics.profile_spectra import profile_of, usual_wavelengths
-from ropewalk.model.profile import Profile
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.travel import Travel
 from ropewalk.overhead.irregularity import read_irregularity
@@ -62,7 +61,7 @@ class Profiles(NamedTuple):
             line = scenario.lines.get(name)
             if line is None or line.profile is None:
                 continue
-            x, z = _rows(line.profile, f"lines.{name}.profile.file", *_reach(scenario, name, length, until))
+            x, z = rows_of(scenario, name, length, until)
             polynomials = CubicSpline(x, z, bc_type="natural").c[::-1]
             found.first[i], found.knots[i] = sum(one.size for one in s), x.size
             s.append(x)
@@ -70,11 +69,24 @@ class Profiles(NamedTuple):
         return found._replace(s=np.concatenate(s), c=np.hstack(c)) if s else found
 
 
-def _rows(profile: Profile, key: str, begin: float, end: float) -> tuple[Array, Array]:
-    """Places and heights of a profile that is needed from one place to another, m."""
+def rows_of(scenario: Scenario, name: str, length: float, until: float) -> tuple[Array, Array]:
+    """Places and heights of the profile of a line, as far as loads may come, m.
+
+    Args:
+        scenario: with the line.
+        name: of the line, which has a profile.
+        length: of it, m.
+        until: s, how long loads travel.
+
+    Raises:
+        ScenarioError: its file cannot be read, or its rows are not as they should be.
+    """
+    profile = scenario.lines[name].profile
+    assert profile is not None
     if profile.file is not None:
-        rows = read_irregularity(Path(profile.file), key)
+        rows = read_irregularity(Path(profile.file), f"lines.{name}.profile.file")
         return rows.x, rows.z
+    begin, end = _reach(scenario, name, length, until)
     assert profile.spectrum is not None
     shortest, longest = profile.wavelengths or usual_wavelengths(profile.spectrum)
     return profile_of(profile.spectrum, profile.seed, (shortest, longest), begin, end)
@@ -114,3 +126,9 @@ def height_at(profiles, line, s):
     x, c = s - profiles.s[low], profiles.c
     height = c[0, low] + x * (c[1, low] + x * (c[2, low] + x * c[3, low]))
     return height, c[1, low] + x * (2.0 * c[2, low] + 3.0 * x * c[3, low])
+
+
+@lean
+def profile_entry(profiles, line, s):
+    """The height of `height_at` as Python calls it."""
+    return height_at(profiles, line, s)[0]

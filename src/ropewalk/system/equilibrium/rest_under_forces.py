@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -9,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.errors import EquilibriumError
+from ropewalk.mechanics.bodies import Bodies
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.loading import loading_of
 from ropewalk.model.axles import Axles
@@ -16,16 +18,19 @@ from ropewalk.model.load import AnyLoad, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import ENERGY_FORMS, MOVES, Contacts, Frame, Layout, RunInfo
+from ropewalk.solve.vehicle_statics import agree, loaded_bodies, potential_of
 from ropewalk.system.assembling.assembly import contacts_of, refuse_beyond
 from ropewalk.system.assembling.laid import Over
 from ropewalk.system.elements.structure import WORKS, SystemState
 from ropewalk.system.equilibrium.fixed_stations import FixedStations
 from ropewalk.system.equilibrium.slow_motion import SlowMotion, travelled
+from ropewalk.system.equilibrium.split_holds import Beside, SplitHolds
 from ropewalk.system.equilibrium.split_lines import AT_SHEAVE, LineForce, LineShape, SplitLines, SplitRest
 from ropewalk.system.equilibrium.structures import structure_of
 from ropewalk.system.loads.loaded_structure import Carried
 from ropewalk.system.reporting.doubts import joined_beside
 from ropewalk.system.reporting.frames import FrameBuilder, SystemNote
+from ropewalk.system.reporting.hold_forces import on_friction
 
 _PATH = "load_path"
 
@@ -59,7 +64,8 @@ class _Loaded(NamedTuple):
     rest: SplitRest
     at: Array  # (contact,) m along their lines
     on: NDArray[np.bool_]  # (contact,) whether they are on them
-    force: Array  # (contact, axis) N
+    force: Array  # (contact, axis) N, with what holds them
+    hold: Array  # (contact, axis) N, of that
 
 
 class RestUnderForces(SlowMotion[_Loaded]):
@@ -89,6 +95,11 @@ class RestUnderForces(SlowMotion[_Loaded]):
         self._no_contacts, _, self._bodies = contacts_of(bare, self._bare, structure, {})
         builder = FrameBuilder(assembled, loading, self._carried.bodies, self._windy, path=_PATH)
         self._displayed = FixedStations(builder.layout)
+        loads, contacts = loading.loads, self._carried.contacts
+        ahead = np.copysign(1.0, loads.speed_value[loads.speed_first])
+        self._holds = SplitHolds(loads.contact, contacts["friction"], contacts["block"], ahead)
+        self._level = structure.runs.ahead[structure.lines.first[contacts["line"]]]  # (contact, axis), of hold forces
+        self._remarked: set[int] = set()
         self._before: Array | None = None  # whether contacts are ahead of sheaves, as they were at first
         run_info.method, run_info.reason = "rest", "least potential energy"
 
@@ -105,12 +116,55 @@ class RestUnderForces(SlowMotion[_Loaded]):
         at = np.where(stays | (np.abs(at - length) <= 1e-9 * length), np.clip(at, 0.0, length), at)
         on, axes = (at >= 0.0) & (at <= length), range(self._lines.gravity.size)
         given = [[_at(tables.force_time, tables.force_value[a], c, "force", t) for a in axes] for c in contacts]
-        force = np.array(given).reshape(-1, len(axes)) + self._weights()
-        forces = [LineForce(wheels[k].on, float(at[k]), force[k]) for k in np.flatnonzero(on).tolist()]
-        self._refuse_passed((self._begin if near is None else near.rest).over, at, on)
-        rest = self._lines.settle(forces, near=self._begin if near is None else near.rest, t=t, rubs=True)
+        force, base = (
+            np.array(given).reshape(-1, len(axes)) + self._weights(),
+            self._begin if near is None else near.rest,
+        )
+        self._refuse_passed(base.over, at, on)
+
+        def settle(acting: Array) -> SplitRest:
+            forces = [LineForce(wheels[k].on, float(at[k]), acting[k]) for k in np.flatnonzero(on).tolist()]
+            found = self._lines.settle(forces, near=base, t=t, rubs=True)
+            found.potential.forces(found.shape)  # which those who look beside a load want to be of this rest
+            return found
+
+        force, hold, rest = self._borne(force, at, on, settle)
         self._refuse_passed(rest.over, at, on)
-        return _Loaded(rest, at, on, force)
+        loaded = _Loaded(rest, at, on, force + hold, hold)
+        self._remark(loaded, t)
+        return loaded
+
+    def _borne(
+        self, given: Array, at: Array, on: NDArray[np.bool_], settle: Callable[[Array], SplitRest]
+    ) -> tuple[Array, Array, SplitRest]:
+        """Forces (contact, axis) on lines without those that hold contacts, these, and the rest under both, N."""
+        lines, length = [wheel.on for wheel in self._loading.wheels], self._structure.lines.length
+        far = length[self._carried.contacts["line"]]
+        inner = np.flatnonzero(on & (at > 0.0) & (at < far)).tolist()
+        hold, found = np.zeros(at.size), list[SplitRest]()
+
+        def beside(rest: SplitRest, k: int) -> Beside:
+            return Beside.of(rest, lines[k], float(at[k]))
+
+        def give_way(vehicles: Array) -> Array:
+            force = given + vehicles.T
+            weight = float(np.abs(force[inner]).max(initial=0.0))
+            rest, hold[:] = self._holds.hold(
+                inner, weight, lambda level: settle(force + level[:, None] * self._level), beside
+            )
+            found[:] = [rest]
+            return self._stands(rest, at).T
+
+        place, vehicles = give_way(np.zeros(given.T.shape)), np.zeros(given.T.shape)
+        if (system := self._loading.multibody_system) is not None and system.bodies.vehicles.size:
+            vehicles = agree(system.bodies, give_way, place)
+        return given + vehicles.T, hold[:, None] * self._level, found[0]
+
+    def _stands(self, rest: SplitRest, at: Array) -> Array:
+        """Where contacts at places along their lines stand, also those before and behind them, (contact, axis) m."""
+        wheels = self._loading.wheels
+        nodes = [rest.node_at(wheel.on, float(s)) for wheel, s in zip(wheels, at, strict=True)]
+        return np.asarray(rest.r[:, nodes].T)
 
     def _weights(self) -> Array:
         """Weights of the masses on lines, (contact, axis) N."""
@@ -132,10 +186,18 @@ class RestUnderForces(SlowMotion[_Loaded]):
 
     def _places(self, loaded: _Loaded) -> Array:
         """Where contacts are, (contact, axis) m; NaN of those off their lines."""
-        out = np.full(loaded.force.shape, np.nan)
+        return np.where(loaded.on[:, None], self._stands(loaded.rest, loaded.at), np.nan)
+
+    def _remark(self, loaded: _Loaded, t: float) -> None:
+        """Note what friction does not hold, each once."""
         for k in np.flatnonzero(loaded.on).tolist():
-            out[k] = loaded.rest.r[:, loaded.rest.node_at(self._loading.wheels[k].on, float(loaded.at[k]))]
-        return out
+            contact, wheel = self._carried.contacts[k], self._loading.wheels[k]
+            contact["hold"] = float(loaded.hold[k] @ self._level[k])
+            needed = Beside.of(loaded.rest, wheel.on, float(loaded.at[k])).needed(block=bool(contact["block"]))
+            found = on_friction(wheel.name, int(self._loading.loads.contact[k]), contact, needed)
+            if found and k not in self._remarked:
+                self._remarked.add(k)
+                self._run_info.warnings.append(f"at {t:.4g} s of its travel, {found}")
 
     def _frame(self, loaded: _Loaded, path: float, t: float) -> Frame:
         rest = loaded.rest
@@ -151,9 +213,14 @@ class RestUnderForces(SlowMotion[_Loaded]):
         position, tension, strain = self._displayed.of(rest, own, builder.layout)
         seen, energy = self._contacts(loaded, t), own.energy.copy()
         contacts: Any = seen.fields()
-        energy[ENERGY_FORMS.index("load_potential")] -= np.nansum(self._weights() * seen.position)
+        places = np.zeros((0, self._lines.gravity.size))
+        if (multibody_system := self._loading.multibody_system) is not None:
+            bodies = loaded_bodies(multibody_system.bodies, self._stands(rest, loaded.at).T)
+            energy[ENERGY_FORMS.index("load_potential")] += potential_of(bodies, self._lines.gravity)
+            places = self._displayed_bodies(bodies)
         return replace(
             own, position=position, velocity=np.zeros_like(position), tension=tension, strain=strain, energy=energy,
+            body_position=places, body_velocity=np.zeros_like(places),
             sheave_station=np.array(list(rest.over.values())) if rest.over else None, **contacts,
         )  # fmt: skip
 
@@ -161,17 +228,25 @@ class RestUnderForces(SlowMotion[_Loaded]):
         """What is shown of contacts."""
         contacts, tables, rest = self._carried.contacts, self._carried.tables, loaded.rest
         seen, on = Contacts(*loaded.force.shape), loaded.on
-        seen.position[:], seen.force[on], seen.hold[on] = self._places(loaded), loaded.force[on], 0.0
+        seen.position[:], seen.force[on], seen.hold[on] = self._places(loaded), loaded.force[on], loaded.hold[on]
         seen.xi[on], seen.state[on] = loaded.at[on], MOVES
         for k in np.flatnonzero(on).tolist():
             c = contacts[k]
             seen.speed[k] = _at(tables.speed_time, tables.speed_value, c, "speed", t)
-            (behind, before), (ahead, after) = rest.beside(self._loading.wheels[k].on, float(loaded.at[k]))
-            seen.tension[k] = behind, ahead
-            turn = float(np.arccos(np.clip(before @ after, -1.0, 1.0)))
-            if behind > 0.0 and ahead > 0.0 and turn > 0.0:
-                seen.friction[k] = abs(np.log(ahead / behind)) / turn
+            beside = Beside.of(rest, self._loading.wheels[k].on, float(loaded.at[k]))
+            seen.tension[k], seen.friction[k] = (beside.behind, beside.ahead), beside.needed(block=bool(c["block"]))
         return seen
+
+    def _displayed_bodies(self, bodies: Bodies) -> Array:
+        """Places of all bodies, (body, axis) m; along what has no coordinate above wheels."""
+        displayed = () if self._loading.multibody_system is None else self._loading.multibody_system.displayed
+        out = np.zeros((len(displayed), self._lines.gravity.size))
+        for i, body in enumerate(displayed):
+            for a, c in enumerate(body.coordinates):
+                out[i, a] = bodies.coordinates["q"][c] if c >= 0 else bodies.wheels["r"][body.wheel, a]
+            if body.coordinates[0] < 0:
+                out[i, 0] += body.ahead
+        return out
 
 
 def _at(time: Array, value: Array, contact: Any, of: str, t: float) -> float:

@@ -327,7 +327,7 @@ def approach(structure, contacts, bodies, state):
     """Let contacts before and behind their lines follow the profile there; the ground does the work on their masses."""
     for k in range(contacts.size):
         rough = contacts[k].rolls == 1 and structure.lines.profiles.knots[contacts[k].line] > 0
-        if rough and contacts[k].state == AWAY:
+        if rough and contacts[k].state == AWAY and contacts[k].led == 0:  # a foot in the air is where its owner has it
             top = contacts[k].first + state.r.shape[0] - 1
             before = state.w[top]
             ground(structure, contacts, state, k)

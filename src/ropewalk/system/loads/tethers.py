@@ -14,6 +14,7 @@ from ropewalk.mechanics.bodies import PULLS, PUSHES, STANDS, SWINGS
 from ropewalk.mechanics.compiled import lean, lean_inner
 from ropewalk.mechanics.moving_contact import look_up_integral
 from ropewalk.mechanics.vehicles import TOUCHING
+from ropewalk.system.elements.profile import height_at
 from ropewalk.system.elements.spline import WIDTH, share
 
 _REAL, _CODE, _VECTOR = "f8", "i8", ("f8", (3,))
@@ -213,9 +214,10 @@ def _level(r, i, ex, ey):
 
 @lean_inner
 def height(lines, runs, r, line, ex, ey, x, weight, slope):
-    """Height of a line in m above or below a level place; beyond its ends it goes on straight; see `seek`."""
-    run, _, base, over = seek(lines, runs, r, line, ex, ey, x, weight, slope)
-    place, rise, change, top = 0.0, 0.0, 0.0, r.shape[0] - 1
+    """Height of a line in m, with its profile, above or below a level place; beyond its ends it goes on straight."""
+    run, u, base, over = seek(lines, runs, r, line, ex, ey, x, weight, slope)
+    rise, change, top = 0.0, 0.0, r.shape[0] - 1
+    place, _ = height_at(lines.profiles, line, lines.begin[run] + u * runs.h[run])
     for j in range(min(WIDTH, runs.links[run] + 1)):
         place += weight[j] * r[top, base + j]
         rise += slope[j] * r[top, base + j]
