@@ -62,6 +62,7 @@ SHAKEN = """start_support: {kind: elastic, stiffness: 100 kN/m, damping: 50 N*s/
 THROWN = """start_support: {kind: moving, displacement: {time: [0, 0.1, 0.2, 0.3], value: [[0, 0], [0, 0.3], [0, -0.3],
     [0, 0]]}}, elements:"""
 SUPPORTS = {
+    "rope, moving supports": "",
     "network, moving supports": "wind_drag: 0.01, ",
     "network, mass": "wind_drag: 0.01, ",
     "stiff line, moving supports": "bending_stiffness: 1e4, ",
