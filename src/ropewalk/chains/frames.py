@@ -266,11 +266,11 @@ class ChainFrameBuilder:
             xi[k], speed[k] = state.xi[k], speed_at(loads, k, t)
         _let_yield(setting, state, reaction)
         of_loads = dict[str, float]()
-        shown = np.zeros((0, dim)), np.zeros((0, dim))
+        beside = np.zeros((0, dim)), np.zeros((0, dim))
         if bodies is not None:
             light_wheels(setting, state, bodies, place)
             seen.in_air, seen.power = bodies.wheels["in_air"].copy(), bodies.wheels["power"].copy()
-            of_loads, shown = load_energies(setting, bodies), displayed_bodies(setting, state.r, bodies)
+            of_loads, beside = load_energies(setting, bodies), displayed_bodies(setting, state.r, bodies)
         return Frame(
             path=t,
             position=r.T,
@@ -278,8 +278,8 @@ class ChainFrameBuilder:
             tension=_links_only(setting, segments.T),
             strain=_links_only(setting, segments.eps),
             **seen.fields(),
-            body_position=shown[0],
-            body_velocity=shown[1],
+            body_position=beside[0],
+            body_velocity=beside[1],
             reaction=reaction,
             energy=self._audit.of(**_of_lines(setting, state, segments.elastic, w), **of_loads, **self._works(state)),
         )
@@ -298,16 +298,16 @@ class ChainFrameBuilder:
         seen = many.contacts(setting, states, links, mean_hold, reaction)
         if (ends := ends_of(setting.strands, setting.supports)) is not None:
             let_yield(setting, ends, states.t, states.X, states.r, states.w, reaction)
-        shown, of_loads = (np.zeros((states.t.size, 0, r.shape[1])),) * 2, dict[str, Array]()
+        beside, of_loads = (np.zeros((states.t.size, 0, r.shape[1])),) * 2, dict[str, Array]()
         if states.bodies is not None:
-            shown, of_loads = displayed(setting, states.r, states.bodies), energies_of_loads(setting, states.bodies)
+            beside, of_loads = displayed(setting, states.r, states.bodies), energies_of_loads(setting, states.bodies)
         energy = self._audit.of(**many.energies_of_lines(setting, states, links.elastic, w), **of_loads, **works)
         return Frames(
             states.t,
             {
                 "position": r.swapaxes(1, 2), "velocity": w.swapaxes(1, 2),
                 "tension": many.links_only(setting, links.T), "strain": many.links_only(setting, links.eps),
-                **seen.fields(), "body_position": shown[0], "body_velocity": shown[1], "reaction": reaction,
+                **seen.fields(), "body_position": beside[0], "body_velocity": beside[1], "reaction": reaction,
                 "energy": energy,
             },
         )  # fmt: skip

@@ -73,9 +73,9 @@ def displayed(setting: PreparedRun, r: Array, bodies: ManyBodies) -> tuple[Array
     """Positions and velocities of all bodies beside the contacts, (instant, body, axis); nodes are at (instant, axis,
     node)."""
     assert setting.multibody_system is not None
-    shown, dim = setting.multibody_system.displayed, r.shape[1]
-    place, speed = np.empty((len(r), len(shown), dim)), np.empty((len(r), len(shown), dim))
-    for i, body in enumerate(shown):
+    others, dim = setting.multibody_system.displayed, r.shape[1]
+    place, speed = np.empty((len(r), len(others), dim)), np.empty((len(r), len(others), dim))
+    for i, body in enumerate(others):
         ahead = body.ahead * onwards(setting, r, int(setting.loads.strand[body.wheel]))
         for a, d in enumerate(body.coordinates):
             place[:, i, a] = bodies.q[:, d] if d >= 0 else bodies.r[:, body.wheel, a] + ahead[:, a]

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ropewalk.chains.beside_wheels import Beside, ManyNodes, SplitLinks
 from ropewalk.chains.many_bodies import ManyBodies, lengths, onwards, put_located
 from ropewalk.chains.many_ends import energies_of_ends
-from ropewalk.chains.pieces import Beside, Divided, Nodes
 from ropewalk.mechanics.at_instants import forces_at, speeds_at, stored_totals
 from ropewalk.mechanics.bodies import (
     ALONG_X,
@@ -96,12 +96,12 @@ class ManyLinks:
             rows, b = states.moving_nodes(k)
             U[rows, b] = states.speed[rows, k]
             v[rows, :, b] += states.speed[rows, k, None] * _slope(states, rows, b - 1, b + 1)
-        points, divided = Nodes(states.X, states.r, v, U), None
+        points, split = ManyNodes(states.X, states.r, v, U), None
         if states.bodies is not None:
             points.place(states.bodies, states.speed)
-            divided = Divided.of(strands, setting.loads.strand, states.xi, states.speed, points, states.bodies)
+            split = SplitLinks.of(strands, setting.loads.strand, states.xi, states.speed, points, states.bodies)
         eps, T, f = (np.zeros((count, *size)) for size in ((nodes - 1,), (nodes - 1,), (dim, nodes - 1)))
-        elastic = np.zeros(count) if divided is None else divided.stored(count)
+        elastic = np.zeros(count) if split is None else split.stored(count)
         for s in range(strands.first.size):
             i, j = int(strands.first[s]), int(strands.first[s] + strands.links[s])
             d, rest = np.diff(states.r[:, :, i : j + 1], axis=2), np.diff(states.X[:, i : j + 1], axis=1)
@@ -111,14 +111,14 @@ class ManyLinks:
             rate = (along - np.diff(U[:, i : j + 1], axis=1) * length / rest) / rest
             pull = tensions(strands.law[s], strain.ravel()).reshape(strain.shape) + strands.damping[s] * rate
             eps[:, i:j], T[:, i:j], f[:, :, i:j] = strain, pull, pull[:, None] * d / length[:, None]
-            if divided is not None:  # those links are no straight ones
-                own = (divided.link >= i) & (divided.link < j)
-                rest[divided.row[own], divided.link[own] - i] = 0.0
+            if split is not None:  # those links are no straight ones
+                own = (split.link >= i) & (split.link < j)
+                rest[split.row[own], split.link[own] - i] = 0.0
             elastic += stored_totals(strands.law[s], strain, rest)
-        if divided is None or states.bodies is None:
+        if split is None or states.bodies is None:
             return ManyLinks(eps, T, f, elastic)
-        beside = Beside.of(divided, points, T, f, states.bodies)
-        divided.put(strands, states.X, eps, T, f)
+        beside = Beside.of(split, points, T, f, states.bodies)
+        split.put(strands, states.X, eps, T, f)
         return ManyLinks(eps, T, f, elastic, beside)
 
 
@@ -205,7 +205,7 @@ def contacts(setting: PreparedRun, states: ManyStates, links: ManyLinks, mean_ho
     if bodies is not None:
         seen.state = bodies.states(states.moving_load, states.speed)
         seen.in_air, seen.power = bodies.wheels["in_air"].copy(), bodies.wheels["power"].copy()
-        _ride(setting, states, bodies, seen.position)
+        _move_along(setting, states, bodies, seen.position)
     return seen
 
 
@@ -275,19 +275,19 @@ def _product(one: Array, other: Array) -> Array:
     return total
 
 
-def _ride(setting: PreparedRun, states: ManyStates, bodies: ManyBodies, places: Array) -> None:
+def _move_along(setting: PreparedRun, states: ManyStates, bodies: ManyBodies, places: Array) -> None:
     """Let wheels that ride as forces do be where they are, (instant, wheel, axis), and as fast as these."""
     for k in range(places.shape[1]):
         rows = np.flatnonzero((bodies.phase[:, k] == MOVING_WITH) & np.isfinite(places[:, k]).all(axis=1))
         bodies.r[rows, k] = places[rows, k]
-        riding, speed = states.moving_load[rows, k] >= 0, states.speed[rows, k, None]
-        at, b = rows[riding], states.moving_load[rows[riding], k]
-        bodies.v[at, k] = states.w[at, :, b] + speed[riding] * _slope(states, at, b - 1, b + 1)
-        at = rows[~riding]
+        at_node, speed = states.moving_load[rows, k] >= 0, states.speed[rows, k, None]
+        at, b = rows[at_node], states.moving_load[rows[at_node], k]
+        bodies.v[at, k] = states.w[at, :, b] + speed[at_node] * _slope(states, at, b - 1, b + 1)
+        at = rows[~at_node]
         i = np.array([link_of(setting.strands, setting.loads, states.at(row), k) for row in at.tolist()], np.int64)
         part = ((states.xi[at, k] - states.X[at, i]) / (states.X[at, i + 1] - states.X[at, i]))[:, None]
         w = states.w[at, :, i] + part * (states.w[at, :, i + 1] - states.w[at, :, i])
-        bodies.v[at, k] = w + speed[~riding] * _slope(states, at, i, i + 1)
+        bodies.v[at, k] = w + speed[~at_node] * _slope(states, at, i, i + 1)
 
 
 def _friction_used(

@@ -70,7 +70,7 @@ class Pulls(NamedTuple):
         return Pulls(strain, pull, pull[:, None] * d / length[:, None], d / rest[:, None], energy)
 
 
-class Nodes(NamedTuple):
+class ManyNodes(NamedTuple):
     """All nodes at some instants, as `Points`."""
 
     X: Array  # (instant, node) m
@@ -90,7 +90,7 @@ class Nodes(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Divided:
+class SplitLinks:
     """The links that wheels divide: one entry for each wheel, in the order of instants and along the lines."""
 
     row: Integers  # (wheel,) its instant
@@ -102,7 +102,9 @@ class Divided:
     sides: tuple[Pulls, Pulls]  # the pieces behind and ahead of each
 
     @staticmethod
-    def of(strands: Strands, strand: Integers, xi: Array, speed: Array, nodes: Nodes, bodies: ManyBodies) -> Divided:
+    def of(
+        strands: Strands, strand: Integers, xi: Array, speed: Array, nodes: ManyNodes, bodies: ManyBodies
+    ) -> SplitLinks:
         """Look for them.
 
         Args:
@@ -124,7 +126,7 @@ class Divided:
         behind = nodes.at(row, link).where(follows[:-1], wheels.at(number - 1))
         ahead = nodes.at(row, link + 1).where(follows[1:], wheels.at((number + 1) % max(row.size, 1)))
         sides = Pulls.between(strands, strand[k], behind, wheels), Pulls.between(strands, strand[k], wheels, ahead)
-        return Divided(row, k, link, wheels.X, ~follows[:-1], ~follows[1:], sides)
+        return SplitLinks(row, k, link, wheels.X, ~follows[:-1], ~follows[1:], sides)
 
     def put(self, strands: Strands, X: Array, eps: Array, T: Array, f: Array) -> None:
         """Write strains, tensions and force vectors of the links (instant, ..., link), whose nodes are at X.
@@ -160,15 +162,15 @@ class Beside:
     tangent: Array  # (instant, wheel, axis, 2) r'
 
     @staticmethod
-    def of(divided: Divided, nodes: Nodes, T: Array, f: Array, bodies: ManyBodies) -> Beside:
+    def of(split: SplitLinks, nodes: ManyNodes, T: Array, f: Array, bodies: ManyBodies) -> Beside:
         """Look at them; tensions and force vectors of whole links are T (instant, link) and f (instant, axis, link)."""
         (count, wheels), dim = bodies.phase.shape, nodes.r.shape[1]
         beside = Beside(np.full((count, wheels, 2), np.nan), *np.full((2, count, wheels, dim, 2), np.nan))
-        for side, piece in enumerate(divided.sides):
-            beside._set(divided.row, divided.k, side, piece.pull, piece.vector, piece.tangent)
+        for side, piece in enumerate(split.sides):
+            beside._set(split.row, split.k, side, piece.pull, piece.vector, piece.tangent)
         ends = np.full((2, *T.shape), -1)  # the wheel whose piece lies at the first and the last node of a link
-        for end, own in enumerate((divided.is_first, divided.is_last)):
-            ends[end, divided.row[own], divided.link[own]] = np.flatnonzero(own)
+        for end, own in enumerate((split.is_first, split.is_last)):
+            ends[end, split.row[own], split.link[own]] = np.flatnonzero(own)
         for k in range(wheels):
             rows, b = bodies.are(LOCATED, k)
             for side, link in ((BEHIND, b - 1), (AHEAD, b)):
@@ -176,7 +178,7 @@ class Beside:
                 tangent = (nodes.r[rows, :, link + 1] - nodes.r[rows, :, link]) / run[:, None]
                 beside._set(rows, k, side, T[rows, link], f[rows, :, link], tangent)
                 own = ends[1 - side, rows, link]
-                piece, cut, own = divided.sides[1 - side], own >= 0, own[own >= 0]
+                piece, cut, own = split.sides[1 - side], own >= 0, own[own >= 0]
                 beside._set(rows[cut], k, side, piece.pull[own], piece.vector[own], piece.tangent[own])
         return beside
 
