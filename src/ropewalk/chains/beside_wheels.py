@@ -29,7 +29,7 @@ class Points(NamedTuple):
     v: Array  # (point, axis) m/s
     U: Array  # (point,) m/s, d X / dt
 
-    def where(self, is_other: Array, others: Points) -> Points:
+    def where(self, is_other: NDArray[np.bool_], others: Points) -> Points:
         """Others in the place of some of them."""
         chosen = is_other[:, None]
         return Points(

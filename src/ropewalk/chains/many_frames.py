@@ -7,7 +7,7 @@ ropes of some fifty links from one to the next. Where loads decide on the way, f
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -64,7 +64,7 @@ class ManyStates:
             return ManyStates(t[:, 0], *others)
         t, *others = columns(notes, [*state, *noted_of(bodies)])
         own, of_bodies = others[: len(state) - 1], others[len(state) - 1 :]
-        return ManyStates(t[:, 0], *own, bodies=ManyBodies.of(bodies, state.r.shape[0], *of_bodies))
+        return replace(ManyStates(t[:, 0], *own), bodies=ManyBodies.of(bodies, state.r.shape[0], *of_bodies))
 
     def at(self, i: int) -> ChainState:
         """One of them."""

@@ -81,4 +81,4 @@ def links_below(mesh: Mesh, wire: int, x: Array, place: Array) -> Array:
         seeks &= np.abs(step) >= _CLOSE
         if not seeks.any():
             break
-    return links
+    return np.asarray(links)
