@@ -52,6 +52,7 @@ WRITTEN = {
                         ", method: implicit"),
     "vehicle": (0, VEHICLE % "", ""),
     "free mass": (0, FREE, ""),
+    "frictionless mass": (0, MASS.replace("travel", "contact: frictionless, travel"), ""),
     "stepper": (0, STEPPER % ("Sprung", "order: 2"), ""),
     "stepper, parallel": (0, STEPPER % ("Sprung", "scheme: parallel, damping: 20"), ""),
     "stepper, iterated": (0, STEPPER % ("Mass", "scheme: iterated, stiffness: 4e3"), ""),

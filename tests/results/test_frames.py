@@ -33,7 +33,7 @@ def assert_same(one, other):
     [
         "beam, vehicle that lifts off", "network, mass", "membrane, mass", "pantograph, small motion", "force", "mass",
         "free mass", "vehicle that lifts off", "trolley", "rope, moving supports", "pantograph, large motion",
-        "stiff line, moving supports",
+        "stiff line, moving supports", "frictionless mass",
     ],
 )  # fmt: skip
 def test_to_the_last_bit_frames_do_not_depend_on_how_many_are_made_at_once(kind, monkeypatch):
