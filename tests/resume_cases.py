@@ -52,6 +52,7 @@ WRITTEN = {
                         ", method: implicit"),
     "vehicle": (0, VEHICLE % "", ""),
     "free mass": (0, FREE, ""),
+    "frictionless mass": (0, MASS.replace("travel", "contact: frictionless, travel"), ""),
     "stepper": (0, STEPPER % ("Sprung", "order: 2"), ""),
     "stepper, parallel": (0, STEPPER % ("Sprung", "scheme: parallel, damping: 20"), ""),
     "stepper, iterated": (0, STEPPER % ("Mass", "scheme: iterated, stiffness: 4e3"), ""),
@@ -62,6 +63,7 @@ SHAKEN = """start_support: {kind: elastic, stiffness: 100 kN/m, damping: 50 N*s/
 THROWN = """start_support: {kind: moving, displacement: {time: [0, 0.1, 0.2, 0.3], value: [[0, 0], [0, 0.3], [0, -0.3],
     [0, 0]]}}, elements:"""
 SUPPORTS = {
+    "rope, moving supports": "",
     "network, moving supports": "wind_drag: 0.01, ",
     "network, mass": "wind_drag: 0.01, ",
     "stiff line, moving supports": "bending_stiffness: 1e4, ",

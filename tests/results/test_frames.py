@@ -29,8 +29,13 @@ def assert_same(one, other):
 
 
 @pytest.mark.parametrize(
-    "kind", ["beam, vehicle that lifts off", "network, mass", "membrane, mass", "pantograph, small motion"]
-)
+    "kind",
+    [
+        "beam, vehicle that lifts off", "network, mass", "membrane, mass", "pantograph, small motion", "force", "mass",
+        "free mass", "vehicle that lifts off", "trolley", "rope, moving supports", "pantograph, large motion",
+        "stiff line, moving supports", "frictionless mass",
+    ],
+)  # fmt: skip
 def test_to_the_last_bit_frames_do_not_depend_on_how_many_are_made_at_once(kind, monkeypatch):
     scenario, found = case(kind), []
     for wait in (0.0, 1e9):

@@ -16,6 +16,8 @@ from ropewalk.chains.load_states import (
     located_nodes,
     points_of,
 )
+from ropewalk.chains.many_bodies import displayed, energies_of_loads
+from ropewalk.chains.many_ends import let_yield
 from ropewalk.checkpoint import Tree, copied
 from ropewalk.mechanics.bodies import (
     ALONG_X,
@@ -197,9 +199,8 @@ class ChainFrameBuilder:
 
     def __init__(self, setting: PreparedRun, bodies: Bodies | None = None) -> None:
         self.setting, self.bodies = setting, bodies
-        # Whether frames of many instants are built at once: supports do not move, and nothing has a mass of its own.
-        self.together = bodies is None and ends_of(setting.strands, setting.supports) is None
         self._weightless = bodies is not None and are_weightless(bodies)
+        self.together = not self._weightless  # whether frames of many instants are built at once
         self._audit = Audit()
         self._work: Array | None = None  # at the first frame, J
         self._restrained: tuple[float, Array] = (0.0, np.zeros(setting.xi.size))
@@ -265,11 +266,11 @@ class ChainFrameBuilder:
             xi[k], speed[k] = state.xi[k], speed_at(loads, k, t)
         _let_yield(setting, state, reaction)
         of_loads = dict[str, float]()
-        displayed = np.zeros((0, dim)), np.zeros((0, dim))
+        beside = np.zeros((0, dim)), np.zeros((0, dim))
         if bodies is not None:
             light_wheels(setting, state, bodies, place)
             seen.in_air, seen.power = bodies.wheels["in_air"].copy(), bodies.wheels["power"].copy()
-            of_loads, displayed = load_energies(setting, bodies), displayed_bodies(setting, state.r, bodies)
+            of_loads, beside = load_energies(setting, bodies), displayed_bodies(setting, state.r, bodies)
         return Frame(
             path=t,
             position=r.T,
@@ -277,8 +278,8 @@ class ChainFrameBuilder:
             tension=_links_only(setting, segments.T),
             strain=_links_only(setting, segments.eps),
             **seen.fields(),
-            body_position=displayed[0],
-            body_velocity=displayed[1],
+            body_position=beside[0],
+            body_velocity=beside[1],
             reaction=reaction,
             energy=self._audit.of(**_of_lines(setting, state, segments.elastic, w), **of_loads, **self._works(state)),
         )
@@ -295,14 +296,19 @@ class ChainFrameBuilder:
         works = {form: states.work[:, at] - self._work[at] for form, at in _WORKS.items()}
         reaction = many.reactions(setting, links)
         seen = many.contacts(setting, states, links, mean_hold, reaction)
-        nothing = np.zeros((states.t.size, 0, r.shape[1]))
+        if (ends := ends_of(setting.strands, setting.supports)) is not None:
+            let_yield(setting, ends, states.t, states.X, states.r, states.w, reaction)
+        beside, of_loads = (np.zeros((states.t.size, 0, r.shape[1])),) * 2, dict[str, Array]()
+        if states.bodies is not None:
+            beside, of_loads = displayed(setting, states.r, states.bodies), energies_of_loads(setting, states.bodies)
+        energy = self._audit.of(**many.energies_of_lines(setting, states, links.elastic, w), **of_loads, **works)
         return Frames(
             states.t,
             {
                 "position": r.swapaxes(1, 2), "velocity": w.swapaxes(1, 2),
                 "tension": many.links_only(setting, links.T), "strain": many.links_only(setting, links.eps),
-                **seen.fields(), "body_position": nothing, "body_velocity": nothing, "reaction": reaction,
-                "energy": self._audit.of(**many.energies_of_lines(setting, states, links.elastic, w), **works),
+                **seen.fields(), "body_position": beside[0], "body_velocity": beside[1], "reaction": reaction,
+                "energy": energy,
             },
         )  # fmt: skip
 

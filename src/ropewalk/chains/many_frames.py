@@ -1,24 +1,42 @@
-"""Frames of many instants at once, of plain lines under given forces between points that do not move.
+"""Frames of many instants at once, of plain lines and all that nobody leads on the way.
 
 What `frames.py` does for one state, with instants in front: to call NumPy for each of them would cost more than to move
-ropes of some fifty links from one to the next. Where bodies or supports have states of their own, frames are built one
-by one.
+ropes of some fifty links from one to the next. Where loads decide on the way, frames are built one by one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ropewalk.chains.beside_wheels import Beside, ManyNodes, SplitLinks
+from ropewalk.chains.many_bodies import ManyBodies, lengths, onwards, put_located
+from ropewalk.chains.many_ends import energies_of_ends
 from ropewalk.mechanics.at_instants import forces_at, speeds_at, stored_totals
+from ropewalk.mechanics.bodies import (
+    ALONG_X,
+    CARRIED,
+    EVEN,
+    FLYING,
+    FREE,
+    GIVEN,
+    INSIDE,
+    LOCATED,
+    MOVING_WITH,
+    PARKED,
+    WAITING,
+    Bodies,
+    noted_of,
+)
 from ropewalk.mechanics.chain import FRICTIONLESS, OFF, Array, ChainState, Integers
 from ropewalk.mechanics.law import tensions
 from ropewalk.mechanics.moving_contact import link_of
 from ropewalk.mechanics.notes import Notes, columns
 from ropewalk.results.frame import MOVES, STICKS, Contacts
 from ropewalk.results.frames import summed
+from ropewalk.solve.ends import ends_of
 from ropewalk.solve.hold_forces import coefficient_used
 from ropewalk.solve.start import PreparedRun
 
@@ -36,12 +54,17 @@ class ManyStates:
     moving_load: Integers  # (instant, load)
     hold: Array  # (instant, load) N s
     work: Array  # (instant, work) J
+    bodies: ManyBodies | None = None
 
     @staticmethod
-    def of(notes: Sequence[Notes], state: ChainState) -> ManyStates:
-        """What has been noted of a state."""
-        t, *others = columns(notes, state)
-        return ManyStates(t[:, 0], *others)
+    def of(notes: Sequence[Notes], state: ChainState, bodies: Bodies | None) -> ManyStates:
+        """What has been noted of a state and of bodies."""
+        if bodies is None:
+            t, *others = columns(notes, state)
+            return ManyStates(t[:, 0], *others)
+        t, *others = columns(notes, [*state, *noted_of(bodies)])
+        own, of_bodies = others[: len(state) - 1], others[len(state) - 1 :]
+        return replace(ManyStates(t[:, 0], *own), bodies=ManyBodies.of(bodies, state.r.shape[0], *of_bodies))
 
     def at(self, i: int) -> ChainState:
         """One of them."""
@@ -62,6 +85,7 @@ class ManyLinks:
     T: Array
     f: Array  # (instant, axis, link) N
     elastic: Array  # (instant,) J
+    beside: Beside | None = None  # of wheels that have a place of their own
 
     @staticmethod
     def of(setting: PreparedRun, states: ManyStates) -> ManyLinks:
@@ -72,8 +96,12 @@ class ManyLinks:
             rows, b = states.moving_nodes(k)
             U[rows, b] = states.speed[rows, k]
             v[rows, :, b] += states.speed[rows, k, None] * _slope(states, rows, b - 1, b + 1)
+        points, split = ManyNodes(states.X, states.r, v, U), None
+        if states.bodies is not None:
+            points.place(states.bodies, states.speed)
+            split = SplitLinks.of(strands, setting.loads.strand, states.xi, states.speed, points, states.bodies)
         eps, T, f = (np.zeros((count, *size)) for size in ((nodes - 1,), (nodes - 1,), (dim, nodes - 1)))
-        elastic = np.zeros(count)
+        elastic = np.zeros(count) if split is None else split.stored(count)
         for s in range(strands.first.size):
             i, j = int(strands.first[s]), int(strands.first[s] + strands.links[s])
             d, rest = np.diff(states.r[:, :, i : j + 1], axis=2), np.diff(states.X[:, i : j + 1], axis=1)
@@ -83,8 +111,15 @@ class ManyLinks:
             rate = (along - np.diff(U[:, i : j + 1], axis=1) * length / rest) / rest
             pull = tensions(strands.law[s], strain.ravel()).reshape(strain.shape) + strands.damping[s] * rate
             eps[:, i:j], T[:, i:j], f[:, :, i:j] = strain, pull, pull[:, None] * d / length[:, None]
+            if split is not None:  # those links are no straight ones
+                own = (split.link >= i) & (split.link < j)
+                rest[split.row[own], split.link[own] - i] = 0.0
             elastic += stored_totals(strands.law[s], strain, rest)
-        return ManyLinks(eps, T, f, elastic)
+        if split is None or states.bodies is None:
+            return ManyLinks(eps, T, f, elastic)
+        beside = Beside.of(split, points, T, f, states.bodies)
+        split.put(strands, states.X, eps, T, f)
+        return ManyLinks(eps, T, f, elastic, beside)
 
 
 def _slope(states: ManyStates, rows: Integers, a: Integers, b: Integers) -> Array:
@@ -96,6 +131,8 @@ def _slope(states: ManyStates, rows: Integers, a: Integers, b: Integers) -> Arra
 def material_nodes(setting: PreparedRun, states: ManyStates) -> tuple[Array, Array]:
     """Positions and velocities of the material nodes, see `frames.py`."""
     r, w = states.r.copy(), states.w.copy()
+    if states.bodies is not None:
+        put_located(setting, states.X, states.bodies, r, w)
     for k in range(states.xi.shape[1]):
         rows, b = states.moving_nodes(k)
         s, speed = int(setting.loads.strand[k]), states.speed[rows, k, None]
@@ -118,6 +155,9 @@ def energies_of_lines(setting: PreparedRun, states: ManyStates, elastic: Array, 
         kinetic += 0.5 * m * summed(w[:, :, i + 1 : j] ** 2)
         gravitational -= m * summed(g * states.r[:, :, i + 1 : j])
         gravitational -= 0.5 * m * summed(g[:, 0] * (states.r[:, :, i] + states.r[:, :, j]))
+    if (ends := ends_of(strands, setting.supports)) is not None:
+        of_ends = energies_of_ends(ends, states.t, states.r, states.w)
+        kinetic, elastic, gravitational = kinetic + of_ends[0], elastic + of_ends[1], gravitational + of_ends[2]
     return {"kinetic": kinetic, "elastic": elastic, "gravitational": gravitational}
 
 
@@ -143,12 +183,12 @@ def contacts(setting: PreparedRun, states: ManyStates, links: ManyLinks, mean_ho
     Args:
         mean_hold: (instant, load) N, along x since the instant before.
     """
-    strands, loads, (count, dim, _) = setting.strands, setting.loads, states.r.shape
+    loads, bodies, (count, dim, _) = setting.loads, states.bodies, states.r.shape
     seen = Contacts(count, states.xi.shape[1], dim)
     for k in range(states.xi.shape[1]):
-        s, on = int(loads.strand[k]), np.flatnonzero(states.moving_load[:, k] != OFF)
+        on = np.flatnonzero((states.moving_load[:, k] != OFF) & (states.moving_load[:, k] != CARRIED))
         times = np.ascontiguousarray(states.t[on])
-        F = forces_at(loads, k, times, dim)
+        F = forces_at(loads, k, times, dim) if bodies is None else bodies.on_line(on, k)
         seen.hold[on, k], seen.xi[on, k] = 0.0, states.xi[on, k]
         seen.speed[on, k] = speeds_at(loads, k, times)
         seen.state[on, k] = np.where(states.speed[on, k] != 0.0, MOVES, STICKS)
@@ -158,21 +198,96 @@ def contacts(setting: PreparedRun, states: ManyStates, links: ManyLinks, mean_ho
         seen.friction[rows, k] = _friction_used(setting, states, links, k, rows, b)
         if loads.contact[k] == FRICTIONLESS:
             seen.hold[rows, k, 0] = mean_hold[rows, k]
-        for q, row in enumerate(on.tolist()):
-            if states.moving_load[row, k] >= 0:
-                continue
-            i = int(link_of(strands, loads, states.at(row), k))
-            X, r = states.X[row], states.r[row]
-            part = (states.xi[row, k] - X[i]) / (X[i + 1] - X[i])
-            seen.position[row, k] = (1.0 - part) * r[:, i] + part * r[:, i + 1]
-            seen.tension[row, k] = links.T[row, i]
-            for node, share in ((i, 1.0 - part), (i + 1, part)):
-                if node == strands.first[s]:
-                    reaction[row, 2 * s] -= share * F[q]
-                elif node == strands.first[s] + strands.links[s]:
-                    reaction[row, 2 * s + 1] -= share * F[q]
+        _share(setting, states, links, k, on, F, seen, reaction)
         seen.force[on, k] = F + seen.hold[on, k]
+        if bodies is not None:
+            _carried(setting, states, links, k, mean_hold, seen, reaction)
+    if bodies is not None:
+        seen.state = bodies.states(states.moving_load, states.speed)
+        seen.in_air, seen.power = bodies.wheels["in_air"].copy(), bodies.wheels["power"].copy()
+        _move_along(setting, states, bodies, seen.position)
     return seen
+
+
+def _share(
+    setting: PreparedRun, states: ManyStates, links: ManyLinks, k: int, on: Integers, F: Array, seen: Contacts,
+    reaction: Array,
+) -> None:  # fmt: skip
+    """What is told of load k where it stands on a link, F of the instants `on`; supports bear what stands on theirs."""
+    strands, loads, s = setting.strands, setting.loads, int(setting.loads.strand[k])
+    for q, row in enumerate(on.tolist()):
+        if states.moving_load[row, k] >= 0:
+            continue
+        i = int(link_of(strands, loads, states.at(row), k))
+        X, r = states.X[row], states.r[row]
+        part = (states.xi[row, k] - X[i]) / (X[i + 1] - X[i])
+        seen.position[row, k] = (1.0 - part) * r[:, i] + part * r[:, i + 1]
+        seen.tension[row, k] = links.T[row, i]
+        for node, share in ((i, 1.0 - part), (i + 1, part)):
+            if node == strands.first[s]:
+                reaction[row, 2 * s] -= share * F[q]
+            elif node == strands.first[s] + strands.links[s]:
+                reaction[row, 2 * s + 1] -= share * F[q]
+
+
+def _carried(
+    setting: PreparedRun, states: ManyStates, links: ManyLinks, k: int, mean_hold: Array, seen: Contacts,
+    reaction: Array,
+) -> None:  # fmt: skip
+    """What is told of wheel k where it has a place of its own."""
+    bodies, beside, strands = states.bodies, links.beside, setting.strands
+    assert bodies is not None
+    assert beside is not None
+    s, phase, travel = int(setting.loads.strand[k]), bodies.phase[:, k], bodies.fixed.wheels["travel"][k]
+    carried = np.flatnonzero(states.moving_load[:, k] == CARRIED)
+    seen.position[carried, k], seen.force[carried, k], seen.hold[carried, k] = bodies.r[carried, k], 0.0, 0.0
+    seen.xi[carried, k] = np.where(phase[carried] == WAITING, np.nan, states.xi[carried, k])
+    seen.speed[carried, k] = speeds_at(setting.loads, k, np.ascontiguousarray(states.t[carried]))
+    rows, _ = bodies.are(FLYING, k)
+    seen.speed[rows, k] = _product(bodies.v[rows, k], onwards(setting, states.r[rows], s))
+    rows, link = bodies.are(PARKED, k)
+    seen.force[rows, k] = bodies.on_line(rows, k)
+    reaction[rows, 2 * s + (link != strands.first[s])] -= seen.force[rows, k]
+    seen.tension[rows, k] = links.T[rows, link, None]
+    rows = np.flatnonzero((phase == INSIDE) | (phase == LOCATED))
+    vector, tangent, U = beside.vector[rows, k], beside.tangent[rows, k], states.speed[rows, k]
+    seen.tension[rows, k] = beside.pull[rows, k]
+    force = vector[..., 0] - vector[..., 1]
+    force += (strands.rho[s] * U * U)[:, None] * (tangent[..., 1] - tangent[..., 0])
+    own = strands.rho[s] * strands.h[s] * strands.gravity  # the weight of the particle that it carries is the line's
+    force -= np.where((phase[rows] == LOCATED)[:, None], own, 0.0)
+    seen.force[rows, k] = force
+    if travel in (EVEN, ALONG_X):
+        seen.hold[rows, k, 0] = mean_hold[rows, k]
+    elif travel == GIVEN:  # what the line is gripped with
+        mean = tangent[..., 0] + tangent[..., 1]
+        mean /= lengths(mean)[:, None]
+        seen.hold[rows, k] = _product(force, mean)[:, None] * mean
+    if travel == FREE:
+        seen.speed[rows, k] = U * (0.5 * (lengths(tangent[..., 0]) + lengths(tangent[..., 1])))
+
+
+def _product(one: Array, other: Array) -> Array:
+    """Scalar products of vectors (row, axis)."""
+    total = np.zeros(len(one))
+    for a in range(one.shape[1]):
+        total += one[:, a] * other[:, a]
+    return total
+
+
+def _move_along(setting: PreparedRun, states: ManyStates, bodies: ManyBodies, places: Array) -> None:
+    """Let wheels that ride as forces do be where they are, (instant, wheel, axis), and as fast as these."""
+    for k in range(places.shape[1]):
+        rows = np.flatnonzero((bodies.phase[:, k] == MOVING_WITH) & np.isfinite(places[:, k]).all(axis=1))
+        bodies.r[rows, k] = places[rows, k]
+        at_node, speed = states.moving_load[rows, k] >= 0, states.speed[rows, k, None]
+        at, b = rows[at_node], states.moving_load[rows[at_node], k]
+        bodies.v[at, k] = states.w[at, :, b] + speed[at_node] * _slope(states, at, b - 1, b + 1)
+        at = rows[~at_node]
+        i = np.array([link_of(setting.strands, setting.loads, states.at(row), k) for row in at.tolist()], np.int64)
+        part = ((states.xi[at, k] - states.X[at, i]) / (states.X[at, i + 1] - states.X[at, i]))[:, None]
+        w = states.w[at, :, i] + part * (states.w[at, :, i + 1] - states.w[at, :, i])
+        bodies.v[at, k] = w + speed[~at_node] * _slope(states, at, i, i + 1)
 
 
 def _friction_used(

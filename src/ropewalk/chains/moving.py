@@ -25,7 +25,7 @@ from ropewalk.results.frames import Frames, NotedInstants
 from ropewalk.results.running import Ending
 from ropewalk.solve.carrier import RopeCarrier
 from ropewalk.solve.choice import Choice, choose, cut_by_damping
-from ropewalk.solve.diagnostics import in_one_link, on_friction, on_parting, on_springing_up, who_met
+from ropewalk.solve.diagnostics import counts, in_one_link, on_friction, on_parting, on_springing_up, who_met
 from ropewalk.solve.motion import STOPPED, ChainMotion, Progress
 from ropewalk.solve.splitting import END_OF_LINE, MET, RUNNING
 from ropewalk.solve.start import PreparedRun, setting_of
@@ -38,6 +38,8 @@ _COMPRESSION = (
     "at t = {time:.4g} s line {line} is in compression without any damping: a chain cannot carry that, and "
     "disturbances of the size of rounding errors grow; use law {{kind: tension_only}} or a little axial_damping"
 )
+
+_MOVING = "kinetic", "elastic", "load_kinetic"
 
 
 class Chain:
@@ -86,6 +88,7 @@ class Chain:
         self._warned, self._parted, self._slipped = False, set[int](), set[int]()
         self._frame: Frame | None = None
         self._notes = self.motion.empty_notes(0)
+        self._together = self._builder.together and not controllers  # frames of many instants are built at once
         self.layout = replace(layout_of(setting), external=external_in(scenario))
 
     def get_state(self) -> Tree:
@@ -103,9 +106,9 @@ class Chain:
 
     def advance(self, i: int, most: int = 1) -> Ending | None:
         """Go on to output instant i, and to those after it if nobody need look in between."""
-        progress, motion, through = self.progress, self.motion, self._builder.together and self.motion.goes_through
+        progress, motion, through = self.progress, self.motion, self._together and self.motion.goes_through
         times = self.times[i : i + most if i and through else i + 1]
-        self._frame, self._notes = None, motion.empty_notes(times.size if self._builder.together else 0)
+        self._frame, self._notes = None, motion.empty_notes(times.size if self._together else 0)
         if i and through:
             motion.through(times, self._notes)
         elif i:
@@ -124,12 +127,12 @@ class Chain:
 
     def _note_present(self) -> None:
         """Note the present state, or make its frame."""
-        if self._builder.together:
+        if self._together:
             self._notes.add()
             return
         self._frame = self._builder.build(self.state)
         if self.progress.status == RUNNING:
-            self._remark(self._frame)
+            self._remark(self._frame, None if self.bodies is None else self.bodies.wheels["parting"])
 
     def note(self) -> NotedInstants:
         """The frame of the instant that it has come to, or states at some and whether the motion goes on."""
@@ -139,34 +142,45 @@ class Chain:
 
     def frames(self, notes: Sequence[NotedInstants]) -> Frames:
         """The frames of some notes."""
-        if not self._builder.together:
+        if not self._together:
             return Frames.together([noted.of for noted in notes])
-        frames = self._builder.build_many(ManyStates.of([noted.of[0] for noted in notes], self.state))
-        is_odd = self._is_odd(frames)
+        states = ManyStates.of([noted.of[0] for noted in notes], self.state, self.bodies)
+        frames = self._builder.build_many(states)
+        parting = None if states.bodies is None else states.bodies.wheels["parting"]
+        is_odd = self._is_odd(frames, parting)
         is_odd[-1] &= notes[-1].of[1]  # of an end nothing is remarked
         for i in np.flatnonzero(is_odd).tolist():
-            self._remark(frames[i])
+            self._remark(frames[i], None if parting is None else parting[i])
         return frames
 
-    def _is_odd(self, frames: Frames) -> NDArray[np.bool_]:
-        """Frames of lines without bodies of which something may be to be remarked, (instant,)."""
+    def _is_odd(self, frames: Frames, parting: Array | None) -> NDArray[np.bool_]:
+        """Frames of which something may be to be remarked, (instant,); `parting` is (instant, wheel) J."""
         needed, given = frames.of["contact_friction"], self.setting.loads.friction
-        return np.asarray((frames.of["tension"] < 0.0).any(axis=1) | (needed > given).any(axis=1))
+        odd = (frames.of["tension"] < 0.0).any(axis=1) | (needed > given).any(axis=1)
+        return np.asarray(odd if parting is None else odd | counts(parting, _moving(frames.of["energy"])).any(axis=1))
 
-    def _remark(self, frame: Frame) -> None:
-        """Note what one should know of a frame of the motion."""
+    def _remark(self, frame: Frame, parting: Array | None) -> None:
+        """Note what one should know of a frame of the motion.
+
+        Args:
+            parting: (wheel,) J, lost by lines when wheels left them; None: nothing has a mass.
+        """
         if frame.path <= 0.0:
             return
-        setting, run_info, bodies = self.setting, self.run_info, self.bodies
+        setting, run_info = self.setting, self.run_info
         self._warned = self._warned or _warn_of_compression(setting, frame, run_info)
         run_info.warnings += on_friction(setting, frame.contact_friction, frame.path, self._slipped)
-        if bodies is not None:
-            moving = sum(
-                float(frame.energy[ENERGY_FORMS.index(form)]) for form in ("kinetic", "elastic", "load_kinetic")
-            )
-            run_info.warnings += on_parting(setting, bodies, moving, self._parted)
-            for exchanged in on_springing_up(setting, bodies, moving, self._parted):
+        if parting is not None:
+            moving = float(_moving(frame.energy))
+            run_info.warnings += on_parting(setting, parting, moving, self._parted)
+            for exchanged in on_springing_up(setting, parting, moving, self._parted):
                 run_info.doubt(*exchanged)
+
+
+def _moving(energy: Array) -> Array:
+    """What moves and springs back of energies (..., form), J."""
+    kinetic, elastic, of_loads = (energy[..., ENERGY_FORMS.index(form)] for form in _MOVING)
+    return np.asarray(kinetic + elastic + of_loads)
 
 
 def _warn_of_compression(setting: PreparedRun, frame: Frame, run_info: RunInfo) -> bool:

@@ -154,6 +154,11 @@ class Bodies(NamedTuple):
         return Bodies(*(array.copy() for array in self))  # type: ignore[arg-type]
 
 
+def noted_of(bodies: Bodies) -> list[Records]:
+    """What of bodies changes while nobody leads them, and frames are made of."""
+    return [bodies.wheels, bodies.coordinates, bodies.tethers]
+
+
 def are_weightless(bodies: Bodies) -> bool:
     """Whether there is nothing but contacts that press with given forces: then lines move as with forces alone."""
     return not (bodies.wheels["mass"].any() or bodies.coordinates.size)

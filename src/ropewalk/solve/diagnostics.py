@@ -10,8 +10,9 @@ import math
 from itertools import combinations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ropewalk.mechanics.bodies import CARRIED, Bodies
+from ropewalk.mechanics.bodies import CARRIED
 from ropewalk.mechanics.chain import CLAMPED, COULOMB, OFF, Array, ChainState
 from ropewalk.solve.quasistatic import LoadPosition
 from ropewalk.solve.start import PreparedRun
@@ -112,10 +113,20 @@ def who_met(setting: PreparedRun, state: ChainState) -> str:
     return f"load {one} meets load {two} at {xi[k]:.4g} m (unstrained) along {line}"
 
 
-def on_parting(setting: PreparedRun, bodies: Bodies, energy: float, made: set[int]) -> list[str]:
-    """The wheels that have torn at a support when they left their line, each of them once; `energy` in J counts."""
+def counts(parting: Array, energy: Array) -> NDArray[np.bool_]:
+    """Whether what wheels have lost when they left their lines counts beside an energy, (instant, wheel) and (instant,)
+    J."""
+    return np.abs(parting) > _PARTING * energy[:, None]
+
+
+def on_parting(setting: PreparedRun, parting: Array, energy: float, made: set[int]) -> list[str]:
+    """The wheels that have torn at a support when they left their line, each of them once; `energy` in J counts.
+
+    Args:
+        parting: (wheel,) J, lost by the line when each left it.
+    """
     found = []
-    for k, lost in enumerate(bodies.wheels["parting"]):
+    for k, lost in enumerate(parting):
         if lost > _PARTING * energy and k not in made:
             made.add(k)
             name, line = setting.wheels[k].name, setting.lines[setting.loads.strand[k]]
@@ -128,7 +139,7 @@ def on_parting(setting: PreparedRun, bodies: Bodies, energy: float, made: set[in
 
 
 def on_springing_up(
-    setting: PreparedRun, bodies: Bodies, energy: float, made: set[int]
+    setting: PreparedRun, parting: Array, energy: float, made: set[int]
 ) -> list[tuple[str, str, str, str]]:
     """The wheels whose leaving has set their lines springing, each of them once: what is to doubt, cause, key, remedy.
 
@@ -136,7 +147,7 @@ def on_springing_up(
     more than it had; `energy` in J counts.
     """
     found = []
-    for k, lost in enumerate(bodies.wheels["parting"]):
+    for k, lost in enumerate(parting):
         if -lost > _PARTING * energy and k not in made:
             made.add(k)
             name, line = setting.wheels[k].name, setting.lines[setting.loads.strand[k]]

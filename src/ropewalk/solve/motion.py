@@ -12,7 +12,7 @@ from ropewalk.checkpoint import Arrays, Tree, arrays_of, copied, put
 from ropewalk.controllers.carrier import Controller
 from ropewalk.errors import RopewalkError
 from ropewalk.external.cosimulation_master import TravelEndedError
-from ropewalk.mechanics.bodies import Bodies
+from ropewalk.mechanics.bodies import Bodies, noted_of
 from ropewalk.mechanics.chain import Array, ChainBuffers, ChainState, Integers, Loads, Strands, Supports
 from ropewalk.mechanics.compiled import entry_of
 from ropewalk.mechanics.law import tangent
@@ -138,7 +138,10 @@ class ChainMotion:
         self._corners = np.unique(np.concatenate(knots))
         self._step, self._idle = choice.step, 0
         self._entries: list[Callable[..., tuple[int, int]]] = []
-        self._limits, self._one_stop = self._bounds(), Stops.to(0.0)
+        self._numbers = numbers_of(state if bodies is None else [*state, *noted_of(bodies)])
+        self._limits, self._one_stop = self._bounds(), Stops.to(0.0, len(self._numbers))
+        yields = supports is not None and bool(supports.free.any())
+        self._swings = (strands.links > 1) | yields  # (strand,) whose waves count, as in `bounds`
         self._calm, self._pushed = np.zeros(strands.h.size), np.array([-PUSHES * tangent(p, 0.0) for p in strands.law])
         self._calm_down(_STIFFENED * (1.0 - 1e-9) * self._fastest(self._extremes()[:, STIFFNESS]))
 
@@ -170,13 +173,14 @@ class ChainMotion:
         self._shorten(extremes)
 
     def empty_notes(self, most: int) -> Notes:
-        """Room for notes of some instants, each of all arrays of the state."""
-        return Notes.empty(numbers_of(self.state), most)
+        """Room for notes of some instants, each of all arrays of the state, and of what changes of bodies."""
+        return Notes.empty(self._numbers, most)
 
     @property
     def goes_through(self) -> bool:
         """Whether nobody need look at it between output instants."""
-        return not self.controllers and self._contacts is None and self.choice.method != "implicit"
+        lightly = self._contacts is not None and self.bodies is None
+        return not self.controllers and not lightly and self.choice.method != "implicit"
 
     def through(self, times: Array, notes: Notes) -> None:
         """Go on to output instants in s, one after the other, and note each; to fewer where one takes long.
@@ -204,7 +208,8 @@ class ChainMotion:
         finally:
             progress.steps += int(notes.gone[STEPS] - before)
         self._idle = 0
-        if progress.status == TOO_MANY_STEPS:
+        if progress.status in (TOO_MANY_STEPS, ASKED):
+            progress.status = RUNNING  # the last step may have come to the instant
             self.to(float(times[notes.noted]))
             if progress.status == RUNNING:
                 notes.add()
@@ -245,13 +250,13 @@ class ChainMotion:
 
     def _fastest(self, stiffness: Array) -> float:
         """Largest frequency of any line in rad/s, but for a factor that is the same for all and always."""
-        strands, swings = self.strands, self.strands.links > 1
-        return float((np.sqrt(np.maximum(stiffness, 0.0) / strands.rho) / strands.h)[swings].max(initial=0.0))
+        strands = self.strands
+        return float((np.sqrt(np.maximum(stiffness, 0.0) / strands.rho) / strands.h)[self._swings].max(initial=0.0))
 
     def _calm_down(self, frequency: float) -> None:
         """Note that the step stays as it is up to a frequency of the lines."""
         strands = self.strands
-        own = np.where(strands.links > 1, strands.rho * (strands.h * frequency) ** 2, np.inf)
+        own = np.where(self._swings, strands.rho * (strands.h * frequency) ** 2, np.inf)
         np.maximum(self._calm, own, out=self._calm)
 
     def _shorten(self, extremes: Array) -> None:

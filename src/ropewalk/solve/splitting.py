@@ -364,7 +364,7 @@ def advance_to(strands, loads, state, buffers, kicks, drifts, until, longest, mo
             location_bodies(strands, state, buffers, bodies)
         if not _is_finite(r, w):
             return NOT_FINITE, steps
-        if steps >= most:
+        if steps >= most and time[0] < end:
             return TOO_MANY_STEPS, steps
     time[0] = until
     return RUNNING, steps

@@ -35,15 +35,13 @@ class Stops(NamedTuple):
     notes: Notes
 
     @staticmethod
-    def to(time: float) -> Stops:
-        """To one instant, at which nothing is looked at."""
+    def to(time: float, noted: int = len(ChainState._fields)) -> Stops:
+        """To one instant, at which nothing is looked at; kernels are compiled for a number of arrays that are noted."""
         nothing = np.zeros(0)
         return Stops(
-            np.array([time]), np.zeros(1, dtype=np.int64), nothing, nothing, np.zeros((0, 4)), Notes.empty(_NOTHING, 0)
+            np.array([time]), np.zeros(1, dtype=np.int64), nothing, nothing, np.zeros((0, 4)),
+            Notes.empty((nothing,) * noted, 0),
         )  # fmt: skip
-
-
-_NOTHING = (np.zeros(0),) * len(ChainState._fields)  # kernels are compiled for so many arrays that are noted
 
 
 @lean

@@ -55,3 +55,30 @@ def location_below(mesh: Mesh, wire: int, x: Array, place: float) -> Location:
         if abs(step) < _CLOSE:
             break
     return found
+
+
+def links_below(mesh: Mesh, wire: int, x: Array, place: Array) -> Array:
+    """The same at many instants, in links from the start of the wire, (instant,).
+
+    Args:
+        x: (instant, node) m, of all nodes.
+        place: (instant,) m.
+    """
+    n, own = int(mesh.strands.links[wire]), np.ascontiguousarray(x[:, mesh.of(wire)])
+    turn = np.where(own[:, -1] >= own[:, 0], 1.0, -1.0)
+    before = np.clip((turn[:, None] * own <= (turn * place)[:, None]).sum(axis=1) - 1, 0, n - 1)
+    instant = np.arange(place.size)
+    begin, end = own[instant, before], own[instant, before + 1]
+    links = np.clip(before + (place - begin) / (end - begin), 0.0, float(n))
+    count, level = np.full(place.size, n), np.tile(mesh.strands.level[wire], (place.size, 1))
+    seeks = np.ones(place.size, dtype=np.bool_)
+    for _ in range(_MOST):
+        first, weight = points(links, count, level)
+        near = np.take_along_axis(own, first[:, None] + np.arange(WIDTH), axis=1)
+        here, slope = ((near * weight[:, k]).sum(axis=1) for k in range(2))
+        step = np.where(seeks, (place - here) / slope, 0.0)
+        links = np.clip(links + step, 0.0, float(n))
+        seeks &= np.abs(step) >= _CLOSE
+        if not seeks.any():
+            break
+    return np.asarray(links)

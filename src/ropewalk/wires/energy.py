@@ -64,11 +64,11 @@ class Then(NamedTuple):
         return Then._make([np.array(motion.both)[None], *copies, motion.failed[None, :, 0] < np.inf])
 
     @staticmethod
-    def noted(motion: SmallMotion, both: Array, notes: Notes) -> Then:
-        """What has been noted on the way, see `SmallMotion.through`."""
+    def noted(motion: LargeMotion | SmallMotion, both: Array, notes: Notes) -> Then:
+        """What has been noted on the way, see `through` of motions."""
         *own, failed = columns([notes], motion.sources)
         gone = np.empty(failed.shape[:2], dtype=np.bool_)
-        gone[:, motion.springs.number] = failed[:, :, 0] < np.inf
+        gone[:, motion.tie_number] = failed[:, :, 0] < np.inf
         return Then._make([both, *own, gone])
 
     @staticmethod
@@ -133,13 +133,11 @@ class Energies:
     def _stored(self, then: Then) -> tuple[Array, Array]:
         motion = self._motion
         if isinstance(motion, LargeMotion):
-            parts = np.zeros((2, 2, len(then.both)))
-            for i, (both, moved) in enumerate(zip(then.both, then.moved, strict=True)):
-                self._potential.failed = then.failed[i]
-                for j, (r, instant) in enumerate(zip(both, (AHEAD, NOW), strict=True)):
-                    self._potential.place = self._places(motion, moved[:, instant])
-                    weights = float(((self._potential.force - self._more) * r).sum())
-                    parts[:, j, i] = self._potential.energy(r) + weights, -weights
+            parts, self._potential.failed = np.zeros((2, 2, len(then.both))), then.failed
+            for j, instant in enumerate((AHEAD, NOW)):
+                self._potential.place = self._places(motion, then.moved[:, :, instant])
+                weights = summed((self._potential.force - self._more) * then.both[:, j])
+                parts[:, j] = self._potential.energies(then.both[:, j]) + weights, -weights
             return parts[0].mean(axis=0), parts[1].mean(axis=0)
         parts_of_both = [
             self._about_rest(motion, then.both[:, j], then.moved[:, :, at], then.failed)
@@ -148,11 +146,11 @@ class Energies:
         return np.mean(parts_of_both, axis=0), np.zeros(len(then.both))
 
     def _places(self, motion: LargeMotion, displaced: Array) -> Array:
-        """Where holds are without force at an instant when holders are displaced by (holder,) m, (hold, 3) m."""
-        holders, place = motion.holders, self._mesh.holds.place.copy()
+        """Where holds are without force when holders are displaced by (instant, holder) m, (instant, hold, 3) m."""
+        holders, place = motion.holders, np.tile(self._mesh.holds.place, (len(displaced), 1, 1))
         axes = [0, 1, 2] if holders.way.shape[1] == 3 else [0, 2]
-        for hold, way, moved in zip(holders.hold, holders.way, displaced, strict=True):
-            place[hold, axes] += way * moved
+        for hold, way, moved in zip(holders.hold, holders.way, displaced.T, strict=True):
+            place[:, hold, axes] += way * moved[:, None]
         return place
 
     def _about_rest(self, motion: SmallMotion, u: Array, displaced: Array, failed: NDArray[np.bool_]) -> Array:

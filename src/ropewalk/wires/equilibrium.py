@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,6 +11,7 @@ import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
 
+from ropewalk.results.frames import summed
 from ropewalk.solve import minimum
 from ropewalk.solve.minimum import newton
 from ropewalk.solve.symmetric import Way
@@ -34,9 +36,9 @@ class WirePotential:
     Attributes:
         pressing: what stands on the wires: interpolation (contact, node) of the heights there, and how it presses.
         share: part of all constant forces, and of what stands there, that is put on.
-        place: (hold, 3) m, where holds are without force.
+        place: (..., hold, 3) m, where holds are without force.
         given: (hold, 3) m, by which what holds fast is moved against its force, so that it gives way to none.
-        failed: (tie,) whether it pulls no more.
+        failed: (..., tie) whether it pulls no more.
     """
 
     def __init__(self, mesh: Mesh, rest: Array, force: Array | None = None) -> None:
@@ -65,32 +67,36 @@ class WirePotential:
         self.force += (self._hold.T @ mesh.holds.force).T
 
     def tension(self, r: Array) -> Array:
-        """Tension of all links, N."""
-        d = r[:, self._link + 1] - r[:, self._link]
-        length = np.sqrt((d**2).sum(axis=0))
-        tension: Array = self._EA * (length / self._rest - 1.0)
+        """Tension of all links, N, at positions (..., 3, node)."""
+        tension: Array = self._EA * (_size(self._apart(r)) / self._rest - 1.0)
         return tension
 
+    def _apart(self, r: Array) -> Array:
+        """From one end of each link to the other, (..., 3, link) m."""
+        found: Array = r[..., self._link + 1] - r[..., self._link]
+        return found
+
     def _ties(self, r: Array) -> tuple[Array, Array, Array, Array]:
-        d = (self._tie @ r.T).T + self._ground.T
-        length = np.sqrt((d**2).sum(axis=0))
+        d = _times(self._tie, r) + self._ground.T
+        length = _size(d)
         longer = length - self.mesh.ties.length
         k = np.where(self.failed, 0.0, np.where(longer > 0.0, self._pull, self._push))
         return d, length, longer, k
 
     def tie_forces(self, r: Array) -> Array:
-        """Forces of all ties, positive in tension, (tie,) N."""
+        """Forces of all ties, positive in tension, (..., tie) N."""
         _, _, longer, k = self._ties(r)
         return np.asarray(k * longer)
 
     def hold_forces(self, r: Array) -> Array:
-        """Forces of all holds on their wires, (hold, 3) N."""
+        """Forces of all holds on their wires, (..., hold, 3) N."""
         return self._restrained(r) + self.mesh.holds.force
 
     def _stretched(self, r: Array) -> Array:
-        """By how much the springs of holds pull their wires along their axes, (hold, 3) m."""
-        found: Array = np.einsum("hja,ha->hj", self.mesh.holds.axes, self.place + self.given - self._hold @ r.T)
-        return found
+        """By how much the springs of holds pull their wires along their axes, (..., hold, 3) m."""
+        away = self.place + self.given - _times(self._hold, r).swapaxes(-1, -2)
+        axes: Array = self.mesh.holds.axes
+        return np.asarray(sum(axes[:, :, a] * away[..., a, None] for a in range(3)))
 
     def off_rails(self, r: Array) -> Array:
         """How far ends, and points of beams, stand off what holds them fast, against its forces, (hold, 3) m."""
@@ -99,44 +105,49 @@ class WirePotential:
         return np.asarray(np.einsum("hja,hj,hjb,hb->ha", holds.axes, across, holds.axes, self.place - self._hold @ r.T))
 
     def _restrained(self, r: Array) -> Array:
-        """Forces of the springs of all holds on their wires, (hold, 3) N."""
-        found: Array = np.einsum("hja,hj->ha", self.mesh.holds.axes, self._stiff * self._stretched(r))
-        return found
+        """Forces of the springs of all holds on their wires, (..., hold, 3) N."""
+        force, axes = self._stiff * self._stretched(r), self.mesh.holds.axes
+        return np.asarray(sum(axes[:, j] * force[..., j, None] for j in range(3)))
 
     def energy(self, r: Array) -> float:
         """Potential energy, J."""
+        return float(self.energies(r[None])[0])
+
+    def energies(self, r: Array) -> Array:
+        """Potential energies at some instants, (instant,) J, which positions have in front, (instant, 3, node) m."""
         strain = self.tension(r) / self._EA
         *_, longer, k = self._ties(r)
-        restrained = self._stiff * self._stretched(r) ** 2
-        bent = ((r - self._unbent) * (self._bend @ (r - self._unbent).T).T).sum()
-        sunk = (self._bed * (r[2] - self._level) ** 2).sum()
-        axial = (self._EA * self._rest * strain**2).sum()
-        given = (self.force * r).sum()
+        away = r - self._unbent
+        double = summed(self._EA * self._rest * strain**2) + summed(away * _times(self._bend, away))
+        for part in (self._bed * (r[:, 2] - self._level) ** 2, k * longer**2, self._stiff * self._stretched(r) ** 2):
+            double += summed(part)
+        given = summed(self.force * r)
         if self.pressing is not None:
             at, loads = self.pressing
-            height = at @ r[2]
-            given += height @ (loads.given - 0.5 * loads.stiffness @ height)
-        return float(0.5 * (axial + bent + sunk + (k * longer**2).sum() + restrained.sum()) - self.share * given)
+            height = _times(at, r[:, 2])
+            given += summed(height * (loads.given - 0.5 * _times(loads.stiffness, height)))
+        return np.asarray(0.5 * double - self.share * given)
 
     def pull(self, r: Array) -> Array:
-        """Forces on all nodes, (3, node) N."""
-        d = r[:, self._link + 1] - r[:, self._link]
-        along = self.tension(r) / np.sqrt((d**2).sum(axis=0)) * d
-        out = self.share * self.force - (self._bend @ (r - self._unbent).T).T
+        """Forces on all nodes, (..., 3, node) N."""
+        d = self._apart(r)
+        along = (self.tension(r) / _size(d))[..., None, :] * d
+        out = self.share * self.force - _times(self._bend, r - self._unbent)
         if self.pressing is not None:
             at, loads = self.pressing
-            out[2] += self.share * (at.T @ (loads.given - loads.stiffness @ (at @ r[2])))
-        out[:, self._link] += along
-        out[:, self._link + 1] -= along
-        out[2] -= self._bed * (r[2] - self._level)
+            presses = loads.given - _times(loads.stiffness, _times(at, r[..., 2, :]))
+            out[..., 2, :] += self.share * _times(at.T, presses)
+        out[..., self._link] += along
+        out[..., self._link + 1] -= along
+        out[..., 2, :] -= self._bed * (r[..., 2, :] - self._level)
         d, length, longer, k = self._ties(r)
-        out -= (self._tie.T @ (k * longer / length * d).T).T
-        restrained: Array = out + (self._hold.T @ self._restrained(r)).T
+        out -= _times(self._tie.T, (k * longer / length)[..., None, :] * d)
+        restrained: Array = out + _times(self._hold.T, self._restrained(r).swapaxes(-1, -2))
         return restrained
 
     def bare_pull(self, r: Array) -> Array:
         """The same without what holds do."""
-        bare: Array = self.pull(r) - (self._hold.T @ self.hold_forces(r)).T
+        bare: Array = self.pull(r) - _times(self._hold.T, self.hold_forces(r).swapaxes(-1, -2))
         return bare
 
     def stiffness(self, r: Array) -> sparse.csc_matrix:
@@ -213,6 +224,19 @@ class WirePotential:
         found: sparse.csc_matrix = sparse.bmat(blocks, format="csc")
         found.eliminate_zeros()
         return found
+
+
+def _times(matrix: sparse.spmatrix | Array, values: Array) -> Array:
+    """A matrix times vectors (..., entry)."""
+    *shape, count = values.shape
+    product = matrix @ values.reshape(math.prod(shape), count).T
+    return np.asarray(product.T.reshape(*shape, matrix.shape[0]))
+
+
+def _size(vectors: Array) -> Array:
+    """Lengths of vectors (..., 3, what)."""
+    x, y, z = (vectors[..., a, :] for a in range(3))
+    return np.asarray(np.sqrt(x * x + y * y + z * z))
 
 
 def _unbent(mesh: Mesh) -> Array:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ropewalk.checkpoint import Tree
 from ropewalk.results.frame import IN_AIR, MOVES, Contacts
 from ropewalk.results.frames import Frames, summed
-from ropewalk.wires.contact_location import location_below
+from ropewalk.wires.contact_location import links_below
 from ropewalk.wires.energy import Energies, Then
 from ropewalk.wires.equilibrium import WirePotential
 from ropewalk.wires.large import LargeMotion
@@ -166,8 +166,7 @@ class Pictures:
         if isinstance(self.motion, LargeMotion) and not self.moving_loads.material[k]:
             begin, along = strands.across[a]
             x = begin + along * inside
-            locations = [location_below(self.mesh, a, row, float(place)) for row, place in zip(r[:, 0], x, strict=True)]
-            links = np.array([location.links for location in locations])
+            links = links_below(self.mesh, a, r[:, 0], x)
         else:
             links = inside / float(strands.h[a])
         base, weight = points(links, np.full(links.size, strands.links[a]), np.tile(strands.level[a], (links.size, 1)))
@@ -204,11 +203,9 @@ class Pictures:
         """
         strands, supports = self.mesh.strands, self._supports
         if self._potential is not None:
-            pulls = []
-            for one, gone in zip(r, failed, strict=True):
-                self._potential.failed = gone
-                pulls.append(self._potential.bare_pull(one)[:, supports.ends].T)
-            bare = np.array(pulls)
+            self._potential.failed = failed
+            bare = self._potential.bare_pull(r)[..., supports.ends].swapaxes(1, 2)
+            self._potential.failed = failed[-1]
             return supports.of(bare, hold, tie, r)[..., self.axes]
         bare = np.zeros((len(r), supports.ends.size, 3))
         bare[..., 2] = self._risen - (self._end_stiffness @ r[:, 2].T).T - self._end_weight

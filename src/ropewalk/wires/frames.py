@@ -14,17 +14,17 @@ from ropewalk.errors import RopewalkError
 from ropewalk.external.cosimulation_master import CosimulationMaster, TravelEndedError
 from ropewalk.mechanics.portions import portion
 from ropewalk.model.run import common_interval
-from ropewalk.results.frame import MEAN, OFF_LINE, Frame, Layout, RunInfo
+from ropewalk.results.frame import MEAN, OFF_LINE, Layout, RunInfo
 from ropewalk.results.frames import Frames, NotedInstants
 from ropewalk.results.running import Ending
 from ropewalk.wires.bearing import at_rest_together
 from ropewalk.wires.beginning import along_moved, on_moved, small_under_loads
-from ropewalk.wires.contact_location import location_at
 from ropewalk.wires.energy import Energies, Then
 from ropewalk.wires.equilibrium import WirePotential
 from ropewalk.wires.frame_arrays import Pictures, WireNote
 from ropewalk.wires.large import LargeMotion
 from ropewalk.wires.layout import axes_of, layout_of
+from ropewalk.wires.line_doubts import LineDoubts
 from ropewalk.wires.mesh import moving_loads_of
 from ropewalk.wires.partners import SLIDES, WireExternalModel, WirePartner
 from ropewalk.wires.plan import Array, Integers
@@ -38,9 +38,7 @@ from ropewalk.wires.window_error import WindowMeasure, returns_after
 
 SAMPLE = 1e-3  # s, interval of samples where none is asked for
 _AHEAD = 256  # rows of what is given that are found at once
-_SLIGHT = 1e-9  # strain that is none
 _SHALLOW = 1.0 / 8.0  # of the chord: a line that hangs further through is none of small motion
-_STEEP = 0.2  # slope from which on loads miss their inertia along the line: 2 % of deflections, 10 % of contact forces
 _ESCAPED = 2.0  # lengths of the longest wire: a node of a wire that is held does not get further, unless a run blows up
 
 
@@ -146,8 +144,7 @@ class Wires:
         self._width = task.window  # m
         if np.isfinite(task.window):
             self._open_window()
-        # Contacts and wires that have been doubted.
-        self._steep, self._pushed, self._left = set[str](), set[str](), set[str]()
+        self._doubts, self._left = LineDoubts(self.task, self.mesh, self.moving_loads, run_info), set[str]()
         self._partners = [self._partner(*pair) for pair in zip(task.external_models, self.cosimulation, strict=True)]
         self._pictures = Pictures(
             self.task, self.mesh, self.moving_loads, self.motion, self.sample, potential,
@@ -174,8 +171,7 @@ class Wires:
             "motion": self.motion.get_state(), "width": self._width, **self._pictures.get_state(),
             "partners": [partner.get_state() for partner in self._partners],
             "stations": self._stations.copy(), "before": copied(arrays_of(self._before)),
-            "steep": sorted(self._steep), "pushed": sorted(self._pushed),
-            "left": sorted(self._left),
+            **self._doubts.get_state(), "left": sorted(self._left),
         }  # fmt: skip
 
     def set_state(self, tree: Tree) -> None:
@@ -188,7 +184,8 @@ class Wires:
         for partner, own in zip(self._partners, tree["partners"], strict=True):
             partner.set_state(own)
         put({"stations": self._stations} | arrays_of(self._before), {"stations": tree["stations"]} | tree["before"])
-        self._steep, self._pushed, self._left = (set(tree[key]) for key in ("steep", "pushed", "left"))
+        self._doubts.set_state(tree)
+        self._left = set(tree["left"])
 
     def _open_window(self) -> None:
         """Let only what is around contacts move; find how wide that must be, if it is asked for, and its error."""
@@ -230,40 +227,6 @@ class Wires:
                     f"at rest {wire.name} hangs {depth:.3g} m through over {wire.chord:.3g} m",
                     "small motion knows no tension that grows with the sag", "run.geometry",
                     "write geometry: nonlinear, or give tension",
-                )  # fmt: skip
-
-    def _remark(self, frame: Frame) -> None:
-        """Doubt loads on steep lines, and compression that no bending stiffness bears."""
-        strands, last, z, x = self.mesh.strands, 0, frame.position[:, -1], frame.position[:, 0]
-        for k in np.flatnonzero(
-            (frame.contact_state != OFF_LINE) & (self.moving_loads.size[self.moving_loads.owner] > 0)
-        ):
-            a = int(self.moving_loads.wire[k])
-            location = location_at(self.mesh, a, float(frame.contact_xi[k]) / float(strands.h[a]))
-            slope = abs(float(location.slope(z))) / max(abs(float(location.slope(x))), 1e-300)
-            name, wire = self.task.contacts[k], self.task.plan.wires[a].name
-            if slope > _STEEP and name not in self._steep:
-                self._steep.add(name)
-                key, remedy = f"lines.{wire}.bending_stiffness", "leave it out, if the line is a rope"
-                if section := wire.rpartition(".")[0]:
-                    key, remedy = f"overhead_lines.{section}.contact_wire.tension", "give more of it, or a lighter load"
-                self.run_info.doubt(
-                    f"load {name} rides where {wire} slopes by {slope:.2g}, at t = {frame.path:.4g} s",
-                    "on such lines a load moves up and down only, its inertia along them is left out",
-                    key,
-                    remedy,
-                )
-        for a, wire_ in enumerate(self.task.plan.wires):
-            first, last = last, last + int(strands.links[a])
-            pushed = -float(frame.tension[first:last].min())
-            borne = np.pi**2 * wire_.bending_stiffness / float(strands.h[a]) ** 2
-            if pushed > max(borne, _SLIGHT * wire_.axial_stiffness) and wire_.name not in self._pushed:
-                self._pushed.add(wire_.name)
-                self.run_info.doubt(
-                    f"{wire_.name} is pushed together with {pushed:.4g} N at t = {frame.path:.4g} s",
-                    f"between two nodes it bears {borne:.4g} N and buckles beyond, into waves that no mesh resolves",
-                    f"lines.{wire_.name}.bending_stiffness",
-                    "leave it out and write law: {kind: tension_only}, or give more drag",
                 )  # fmt: skip
 
     def _doubt_leaving(self, frames: Frames) -> None:
@@ -339,8 +302,8 @@ class Wires:
 
     def _count_through(self, i: int, most: int) -> int:
         """How many intervals of samples lie ahead that need not be looked at one by one."""
-        small = isinstance(self.motion, SmallMotion) and not np.isfinite(self.motion.window) and not self._partners
-        if i < self._one_by_one or not small or self.rows > portion(self.mesh.nodes, self.steps):
+        looks = self._width < np.inf or bool(self._partners)
+        if i < self._one_by_one or looks or self.rows > portion(self.mesh.nodes, self.steps):
             return 1
         ahead = self._counts[i : i + min(most, self.times.size - 1 - i)]
         return next((k for k, rows in enumerate(ahead) if rows != self.rows), len(ahead))
@@ -352,12 +315,11 @@ class Wires:
             Whether the motion has come there; if it has grown beyond bounds, it is where it was, to be looked at.
         """
         motion, times, failed = self.motion, self.times[i : i + count], self.motion.failed.copy()
-        assert isinstance(motion, SmallMotion)
         before, instants = motion.get_state(), times[:, None] + self.sample * np.arange(self.rows + 1.0)
         inputs = inputs_of(self.task.plan, self.task.prescribed_motions, instants.ravel()).together(count)
-        both, notes = np.empty((count, 2, self.mesh.nodes)), motion.empty_notes(count)
+        both, notes = np.empty((count, *np.shape(motion.both))), motion.empty_notes(count)
         record = motion.through(inputs, self.steps, both, notes)
-        if not self._are_sane(motion, np.concatenate([both[1:, 0], motion.both[0][None]])):
+        if not self._are_sane(np.concatenate([both[1:, 0], motion.both[0][None]])):
             motion.set_state(before)
             self._one_by_one = i + count
             return False
@@ -391,8 +353,8 @@ class Wires:
         """The frames of some notes."""
         frames = self._pictures.build([noted.of for noted in notes])
         self._doubt_leaving(frames)
-        for i in range(len(frames) - self._failed if isinstance(self.motion, LargeMotion) else 0):
-            self._remark(frames[i])
+        if isinstance(self.motion, LargeMotion):
+            self._doubts.look(frames, len(frames) - self._failed)
         return frames
 
     def _inputs_from(self, i: int) -> StepInputs:
@@ -433,10 +395,14 @@ class Wires:
         moved = self.motion.position - self._at_rest
         return bool(np.abs(moved).max() < self._escaped)  # and not NaN
 
-    def _are_sane(self, motion: SmallMotion, u: Array) -> bool:
-        """The same of small motion at some instants, whose displacements are (instant, node) m."""
-        aside = float(np.abs(motion.rest.position[:2] - self._at_rest[:2]).max(initial=0.0))
-        return bool(max(float(np.abs(motion.level + u - self._at_rest[2]).max()), aside) < self._escaped)
+    def _are_sane(self, places: Array) -> bool:
+        """The same at some instants, at which `motion.both` was so: (instant, node) in small motion, else (instant, 3,
+        node) m."""
+        motion, rest = self.motion, self._at_rest
+        if isinstance(motion, LargeMotion):
+            return bool(np.abs(places - rest).max() < self._escaped)
+        aside = float(np.abs(motion.rest.position[:2] - rest[:2]).max(initial=0.0))
+        return bool(max(float(np.abs(motion.level + places - rest[2]).max()), aside) < self._escaped)
 
     def _advice(self, t: float) -> str:
         what = f"after t = {t:.6g} s the motion grew beyond all bounds; "

@@ -13,8 +13,9 @@ import numpy as np
 
 from ropewalk.checkpoint import Arrays, Changing, arrays_of
 from ropewalk.mechanics.compiled import entry_of, inlined, lean, lean_inner
+from ropewalk.mechanics.notes import Notes, numbers_of, write_note
 from ropewalk.wires.absorbing_layer import absorb
-from ropewalk.wires.damping import EVERY, dissipated
+from ropewalk.wires.damping import EVERY
 from ropewalk.wires.large_window import Following, follow_waves
 from ropewalk.wires.mesh import Mesh, MovingLoads, places_of
 from ropewalk.wires.moving_loads import (
@@ -33,147 +34,15 @@ from ropewalk.wires.moving_loads import (
     stepping_of,
     sweeps_of,
 )
-from ropewalk.wires.plan import Array
+from ropewalk.wires.plan import Array, Integers
 from ropewalk.wires.restraints import MOVES, constraint, coordinates, holders_of, move_places, restrain
 from ropewalk.wires.spline import WIDTH, weights
 from ropewalk.wires.springs import add_tie_forces, link_springs_of, steady_of
 from ropewalk.wires.step_inputs import ABSENT, ON_WIRE, Record, StepInputs
 from ropewalk.wires.threads import components, threads_of
+from ropewalk.wires.wire_steps import are_strains_small, lost_in_wires, move_wires
 
-# Strain up to which tension over length follows from a series: its error is 1e-11 of the tension there.
-SMALL_STRAIN = 5e-3
 _CLOSE = 1e-9  # links: how closely a place of given x is sought
-
-
-@lean_inner
-def _stretch(x, y, z, rest, pull, out, first, n, small):
-    """Tension over length of the links of a wire."""
-    a, c = x[first : first + n + 1], z[first : first + n + 1]  # slices let the loops vectorise
-    d, e, q = rest[first : first + n], pull[first : first + n], out[first : first + n]
-    if y is not None:
-        b = y[first : first + n + 1]
-    if small:
-        for i in range(n):
-            square = (a[i + 1] - a[i]) ** 2 + (c[i + 1] - c[i]) ** 2
-            if y is not None:
-                square += (b[i + 1] - b[i]) ** 2
-            E = 0.5 * (square * d[i] - 1.0)
-            q[i] = e[i] * E * (1.0 - E * (1.5 - E * (2.5 - E * (4.375 - E * 7.875))))  # 1 - (1 + 2 E)^(-1/2)
-        return
-    for i in range(n):
-        square = (a[i + 1] - a[i]) ** 2 + (c[i + 1] - c[i]) ** 2
-        if y is not None:
-            square += (b[i + 1] - b[i]) ** 2
-        q[i] = e[i] * (1.0 - 1.0 / np.sqrt(square * d[i]))
-
-
-@lean_inner
-def _axial(now, other, q, gain, first, n, keep):
-    """Put the next x of the inner nodes, two away from the ends, in place of the last; without bending stiffness."""
-    u, k = now[first + 1 : first + n], q[first + 1 : first + n - 1]  # slices let the loops vectorise
-    out, g = other[first + 2 : first + n - 1], gain[first + 2 : first + n - 1]
-    for i in range(n - 3):
-        pull = k[i + 1] * (u[i + 2] - u[i + 1]) - k[i] * (u[i + 1] - u[i])
-        out[i] = u[i + 1] + keep * (u[i + 1] - out[i]) + g[i] * pull
-
-
-@lean_inner
-def _along(now, other, felt, q, gain, first, n, keep, b, t, falls, bed, level):
-    """Put the next positions of the inner nodes, two away from the ends, in place of the last; one component."""
-    u, k = now[first : first + n + 1], q[first : first + n]  # slices let the loops vectorise
-    out, g = other[first + 2 : first + n - 1], gain[first + 2 : first + n - 1]
-    fall = falls[first + 2 : first + n - 1]
-    if felt is None:
-        for i in range(n - 3):
-            pull = k[i + 2] * (u[i + 3] - u[i + 2]) - k[i + 1] * (u[i + 2] - u[i + 1])
-            pull -= b * (u[i] + u[i + 4] - 4.0 * (u[i + 1] + u[i + 3]) + 6.0 * u[i + 2])
-            out[i] = u[i + 2] + keep * (u[i + 2] - out[i]) + g[i] * pull + fall[i]
-        return
-    f, base = felt[first : first + n + 1], level[first + 2 : first + n - 1]
-    for i in range(n - 3):
-        pull = k[i + 2] * (u[i + 3] - u[i + 2]) - k[i + 1] * (u[i + 2] - u[i + 1]) - bed * (u[i + 2] - base[i])
-        pull -= b * (f[i] + f[i + 4] - 4.0 * (f[i + 1] + f[i + 3]) + 6.0 * f[i + 2])
-        pull += t * ((f[i + 1] - u[i + 1]) - 2.0 * (f[i + 2] - u[i + 2]) + (f[i + 3] - u[i + 3]))
-        out[i] = u[i + 2] + keep * (u[i + 2] - out[i]) + g[i] * pull + fall[i]
-
-
-@inlined
-def _end(now, other, felt, ql, qi, gain, e, d, keep, keep_end, b, t, fall, bed, level, clamped, slope):
-    """The same for the node e at an end, and for its neighbour e + d.
-
-    Args:
-        ql, qi: tension over length of the first link and of the second.
-        slope: difference of nodes that a clamped end asks for.
-    """
-    i = e + d
-    m0 = 2.0 * (felt[i] - felt[e] - slope) if clamped else 0.0
-    m1 = felt[e] - 2.0 * felt[i] + felt[i + d]
-    m2 = felt[i] - 2.0 * felt[i + d] + felt[i + 2 * d]
-    late = t * ((felt[i] - now[i]) - (felt[e] - now[e]))
-    late_next = t * ((felt[i + d] - now[i + d]) - (felt[i] - now[i]))
-    pull = qi * (now[i + d] - now[i]) - ql * (now[i] - now[e]) - b * (m0 - 2.0 * m1 + m2) - bed * (now[i] - level[i])
-    pull += late_next - late
-    other[i] = now[i] + keep * (now[i] - other[i]) + gain[i] * pull + fall[i]
-    pull = ql * (now[i] - now[e]) - b * (m1 - m0) - 0.5 * bed * (now[e] - level[e]) + late
-    other[e] = now[e] + keep_end * (now[e] - other[e]) + gain[e] * pull + fall[e]
-
-
-@inlined
-def _move(strands, threads, window, now, other, buffers, q, level, slope, small, dt):
-    """Let the wires go on for a step."""
-    axes, up = now.shape[0], now.shape[0] - 1
-    for a in range(strands.first.size):
-        low, high, links = window.low[a], window.high[a], strands.links[a]
-        if low >= high:
-            continue
-        i, h, keep = strands.first[a] + max(low - 2, 0), strands.h[a], threads.keep[a]
-        n = strands.first[a] + min(high + 1, links) - i  # links that count, from node i on
-        late, b, bed = strands.retardation[a] / dt, 0.0, strands.bed[a] * h
-        if axes == 2:
-            _stretch(now[0], None, now[1], threads.rest, threads.pull, q, i, n, small)
-        else:
-            _stretch(now[0], now[1], now[up], threads.rest, threads.pull, q, i, n, small)
-        t = strands.tension[a] / h if late > 0.0 else 0.0
-        for c in range(axes):
-            gain, fall = threads.gain[c], threads.fall[c]
-            k, felt = bed if c == up else 0.0, now[c]
-            b = (strands.stiffness[a] if c == 0 else threads.bending[a]) / (h * h * h)  # waves along are not corrected
-            if late > 0.0:
-                felt = buffers
-                for j in range(i, i + n + 1):
-                    buffers[j] = now[c, j] + late * (now[c, j] - other[c, j])
-            if c == 0 and b == 0.0 and late == 0.0:
-                _axial(now[c], other[c], q, gain, i, n, keep)
-            elif late > 0.0 or k > 0.0:
-                _along(now[c], other[c], felt, q, gain, i, n, keep, b, t, fall, k, level)
-            else:
-                _along(now[c], other[c], None, q, gain, i, n, keep, b, t, fall, k, None)
-            for side in range(2):
-                if (low if side == 0 else links - high + 1) > 1:
-                    continue
-                e, d = (i, 1) if side == 0 else (i + n, -1)
-                ql, qi = (q[e], q[e + 1]) if side == 0 else (q[e - 1], q[e - 2])
-                _end(now[c], other[c], felt, ql, qi, gain, e, d, keep, threads.keep_end[2 * a + side], b, t, fall, k,
-                     level, strands.clamped[a, side], slope[2 * a + side, c])  # fmt: skip
-
-
-@lean_inner
-def _lost(strands, threads, window, now, other, dt):
-    """What all wires lose while they move from the other to the one in dt, by time, W."""
-    lost = 0.0
-    for a in range(strands.first.size):
-        low, high = window.low[a], window.high[a]
-        h, part = strands.h[a], slice(strands.first[a] + low, strands.first[a] + high)
-        if low >= high or (strands.drag[a] == 0.0 and strands.retardation[a] == 0.0):
-            continue
-        for c in range(now.shape[0]):
-            lost += dissipated(
-                other[c, part], now[c, part], now[c, part], 1.0, threads.mass[c, part], strands.drag[a],
-                strands.retardation[a], strands.tension[a] / h,
-                (strands.stiffness[a] if c == 0 else threads.bending[a]) / (h * h * h), 0.0,
-                low == 0 and strands.clamped[a, 0], high > strands.links[a] and strands.clamped[a, 1],
-            )  # fmt: skip
-    return lost / (dt * dt)
 
 
 @inlined
@@ -256,7 +125,35 @@ def _join(strands, threads, moving_loads, stepping, other, inputs, record, row, 
 
 @lean
 def advance(strands, threads, link_springs, holders, window, still, watched, moving_loads, stepping, level, slope, now,
-            other, buffers, q, small, inner, inputs, record, steps, sweeps, w):  # fmt: skip
+            other, buffers, q, inner, inputs, record, steps, sweeps, both, notes, w):  # fmt: skip
+    """Go on by all rows of the record, of one output instant after the other, which come first in inputs and record.
+
+    Args:
+        both: (instant, 2, axis, node) m, takes positions at each instant and an inner step before; without instants,
+            nothing is noted.
+        notes: of the rest.
+    """
+    rows = record.force.shape[1] * steps * inner
+    for i in range(record.force.shape[0]):
+        if i < both.shape[0]:
+            for a in range(now.shape[0]):
+                for j in range(now.shape[1]):
+                    both[i, 0, a, j], both[i, 1, a, j] = now[a, j], other[a, j]
+            write_note(notes)
+        given = StepInputs(inputs.station[i], inputs.where[i], inputs.rough[i], inputs.given[i], inputs.push[i],
+                           inputs.time[i], inputs.aside[i])  # fmt: skip
+        found = Record(record.force[i], record.height[i], record.body[i], record.tie[i], record.hold[i],
+                       record.watched[i])  # fmt: skip
+        small = are_strains_small(strands, threads, window, now)
+        _advance_rows(strands, threads, link_springs, holders, window, still, watched, moving_loads, stepping, level,
+                      slope, now, other, buffers, q, small, inner, given, found, steps, sweeps, w)  # fmt: skip
+        if rows % 2 == 1:
+            now, other = other, now
+
+
+@lean_inner
+def _advance_rows(strands, threads, link_springs, holders, window, still, watched, moving_loads, stepping, level, slope,
+                  now, other, buffers, q, small, inner, inputs, record, steps, sweeps, w):  # fmt: skip
     """Go on by all rows of the record.
 
     Args:
@@ -284,7 +181,7 @@ def advance(strands, threads, link_springs, holders, window, still, watched, mov
                 record.body[row, i, c] = stepping.q[i, c]
         for step in range(steps):
             move_places(holders, between_rows(inputs.time, row, (step + 1.0 / inner) / steps))
-            _move(strands, threads, window, now, other, buffers, q, level, slope, small, dt)
+            move_wires(strands, threads, window, now, other, buffers, q, level, slope, small, dt)
             t = between_rows(inputs.time, row, step / steps)
             add_tie_forces(link_springs, window.slow, now, other, threads.kick, stepping.step, stepping.work,
                            record.tie, row, step == 0, t)  # fmt: skip
@@ -310,7 +207,7 @@ def advance(strands, threads, link_springs, holders, window, still, watched, mov
             for part in range(inner):
                 if part > 0:
                     move_places(holders, between_rows(inputs.time, row, (step + (part + 1.0) / inner) / steps))
-                    _move(strands, threads, window, now, other, buffers, q, level, slope, small, dt)
+                    move_wires(strands, threads, window, now, other, buffers, q, level, slope, small, dt)
                     add_tie_forces(link_springs, window.fast, now, other, threads.gain, dt, stepping.work,
                                    record.tie, row, False, t)  # fmt: skip
                     restrain(holders, window.elastic[0], window.elastic[1], now, other, threads.gain, dt, stepping.work,
@@ -320,7 +217,7 @@ def advance(strands, threads, link_springs, holders, window, still, watched, mov
                     follow_waves(window, still, now, other, dt, stepping.work)
                     now, other = other, now
                 if part == inner // 2 and threads.damped and gone % every == 0:  # in the middle between two pushes
-                    lost = _lost(strands, threads, window, now, other, dt)
+                    lost = lost_in_wires(strands, threads, window, now, other, dt)
                     stepping.work[DAMPED] += min(every, whole - gone) * stepping.step * lost
 
 
@@ -442,33 +339,58 @@ class LargeMotion(Changing):
 
     def go(self, inputs: StepInputs, steps: int = 1) -> Record:
         """Go on by the rows of the drive but the last, `steps` steps each."""
+        record = self._go(inputs.together(), steps, np.zeros((0, 2, 0, 0)), self.empty_notes(0)).first()
+        if not self.window.is_whole:  # of what stands still nothing was recorded: it is counted from rest
+            near = self.window.holds_within()
+            record.hold[:, near] += (self.mesh.holds.force - self.hold_at_rest)[near]
+        return record
+
+    def through(self, inputs: StepInputs, steps: int, both: Array, notes: Notes) -> Record:
+        """Go on by the rows of the drive but the last, of one output instant after the other, which come first.
+
+        Args:
+            inputs: with the instants before all rows; the window is all that there is.
+            steps: in each row.
+            both: (instant, 2, 3, node) m, takes positions at each instant and an inner step before.
+            notes: `empty_notes` for the rest.
+        """
+        axes = components(self._r[0])
+        own = np.empty((len(both), 2, *self._r[0].shape))
+        record = self._go(inputs, steps, own, notes)
+        both[:, :, 1] = self._side
+        both[:, :, axes] = own
+        return record
+
+    @property
+    def sources(self) -> list[Array]:
+        """What is noted at an instant besides positions, in the order of `Then`."""
+        stepping = self.stepping
+        own = [stepping.q, stepping.last, stepping.here, stepping.before, stepping.work]
+        return [*own, self.holders.moved, self.link_springs.failed]
+
+    @property
+    def tie_number(self) -> Integers:
+        """Number of the tie of each spring."""
+        return np.arange(self.link_springs.length.size)
+
+    def empty_notes(self, most: int) -> Notes:
+        """Room for notes of some instants."""
+        return Notes.empty(numbers_of(self.sources), most)
+
+    def _go(self, inputs: StepInputs, steps: int, both: Array, notes: Notes) -> Record:
         plan, on = self.mesh.plan, inputs.where == ON_WIRE
-        count = inputs.station.shape[0] - 1
-        record = Record.of(count, self.moving_loads, len(plan.ties), len(plan.holds), self.watched)
+        instants, rows = inputs.time.shape[0], inputs.time.shape[1] - 1
+        record = Record.of(rows, self.moving_loads, len(plan.ties), len(plan.holds), self.watched, instants)
         wires = np.broadcast_to(self.moving_loads.wire, on.shape)[on]
         window = self.window.around(wires, inputs.station[on], self._r, self.threads.mass, self.stepping.work)
         arguments = (
             self.mesh.strands, self.threads, self.link_springs, self.holders, window, self.window.still, self.watched,
-            self.moving_loads, self.stepping, self._level, self._slope, *self._r, *self._buffers, self._is_small(),
-            self.inner, inputs, record, steps, sweeps_of(self.moving_loads, self.holders.fast), self._w,
+            self.moving_loads, self.stepping, self._level, self._slope, *self._r, *self._buffers, self.inner, inputs,
+            record, steps, sweeps_of(self.moving_loads, self.holders.fast), both, notes, self._w,
         )  # fmt: skip
         if self._advance is None:
             self._advance = entry_of(advance, arguments)
         self._advance(*arguments)
-        if record.force.shape[0] * steps * self.inner % 2:
+        if instants * rows * steps * self.inner % 2:
             self._r.reverse()
-        if not self.window.is_whole:  # of what stands still nothing was recorded: it is counted from rest
-            near = self.window.holds_within()
-            record.hold[near] += (self.mesh.holds.force - self.hold_at_rest)[near, :, None]
         return record.turned()
-
-    def _is_small(self) -> bool:
-        """Whether the strains of all that moves are small."""
-        most = 0.0
-        for first, low, high in zip(self.mesh.strands.first, self.window.low, self.window.high, strict=True):
-            part = slice(int(first + low), int(first + high))
-            if high > low:
-                step = np.diff(self._r[0][:, part])
-                strain = np.sqrt((step**2).sum(axis=0)) / self.rest[part][:-1] - 1.0
-                most = max(most, float(np.abs(strain).max()))
-        return most < 0.5 * SMALL_STRAIN

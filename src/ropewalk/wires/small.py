@@ -390,6 +390,11 @@ class SmallMotion(Changing):
         own = [stepping.q, stepping.last, stepping.here, stepping.before, stepping.work]
         return [*own, self.holders.moved, self.springs.failed]
 
+    @property
+    def tie_number(self) -> Integers:
+        """Number of the tie of each spring."""
+        return self.springs.number
+
     def empty_notes(self, most: int) -> Notes:
         """Room for notes of some instants."""
         return Notes.empty(numbers_of(self.sources), most)

@@ -70,15 +70,16 @@ def tensions(cells, e, r, F):
 
 
 @lean
-def _note_tensions(cells, end, r, F, out):
-    for e in range(end):
-        out[e, 0], out[e, 1] = tensions(cells, e, r, F)
+def _note_tensions(cells, r, F, out):
+    for i in range(out.shape[0]):
+        for e in range(out.shape[1]):
+            out[i, e, 0], out[i, e, 1] = tensions(cells, e, r[i].T, F)
 
 
 def tensions_of(cells: Cells, count: int, r: Array) -> Array:
-    """Tensions per width (cell, 2) of the first cells at places r (node, 3), N/m, see `tensions`."""
-    out = np.zeros((count, 2))
-    _note_tensions(cells, count, r, np.zeros((3, 2)), out)
+    """Tensions per width (instant, cell, 2) of the first cells at places r (instant, axis, node), N/m."""
+    out = np.zeros((len(r), count, 2))
+    _note_tensions(cells, np.ascontiguousarray(r), np.zeros((3, 2)), out)
     return out
 
 

@@ -223,11 +223,17 @@ def stored_in(surfaces, r):
 
 
 def tensions_about_rest(cells: Cells, count: int, rest: Array, r: Array) -> Array:
-    """Tensions per width (cell, 2) of the first cells to the first order about rest, N/m; places as (axis, node)."""
-    found, x = tensions_of(cells, count, rest.T), r - rest
-    size = float(np.abs(x).max(initial=0.0))
-    if size == 0.0:
-        return found
-    part = _PART * float(np.sqrt(cells.area.min())) / size
-    ahead, behind = (tensions_of(cells, count, (rest + sign * part * x).T) for sign in (1.0, -1.0))
-    return np.asarray(found + (ahead - behind) / (2.0 * part))
+    """Tensions per width (instant, cell, 2) of the first cells to the first order about rest, N/m.
+
+    Args:
+        cells: they.
+        count: how many of them.
+        rest: (axis, node) m.
+        r: (instant, axis, node) m.
+    """
+    x = r - rest
+    size = np.abs(x).max(axis=(1, 2), initial=0.0)
+    part = _PART * np.sqrt(cells.area.min()) / np.where(size > 0.0, size, 1.0)
+    step = part[:, None, None]
+    ahead, behind = (tensions_of(cells, count, rest + sign * step * x) for sign in (1.0, -1.0))
+    return np.asarray(tensions_of(cells, count, rest[None]) + (ahead - behind) / (2.0 * step))

@@ -264,9 +264,8 @@ class FrameBuilder:
             return {}
         cells, count = surfaces.cells, surfaces.cells.area.size
         if surfaces.is_linearised:
-            rest = self.assembled.near
-            return {"cell_tension": np.array([tensions_about_rest(cells, count, rest, r) for r in at.r])}
-        return {"cell_tension": np.array([tensions_of(cells, count, r.T) for r in at.r])}
+            return {"cell_tension": tensions_about_rest(cells, count, self.assembled.near, at.r)}
+        return {"cell_tension": tensions_of(cells, count, at.r)}
 
     def _hauled(self) -> tuple[str, ...]:
         """Carriages that ropes haul: each rope's own, and then those at the other ends of ropes over pulleys."""

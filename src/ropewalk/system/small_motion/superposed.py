@@ -273,4 +273,4 @@ class Superposed:
         if (surfaces := self._linear.surfaces) is None:
             return None
         r = self.rest + x.reshape(self.rest.shape)
-        return tensions_about_rest(surfaces.cells, surfaces.cells.area.size, self.rest, r)
+        return np.asarray(tensions_about_rest(surfaces.cells, surfaces.cells.area.size, self.rest, r[None])[0])
