@@ -60,13 +60,14 @@ class ModalBasis:
     frequency: Array
 
     @staticmethod
-    def of(K: Any, M: Any, C: Any, free: Any, count: int | None = None) -> ModalBasis:
+    def of(K: Any, M: Any, C: Any, free: Any, count: int | None = None, drifting: float = 0.0) -> ModalBasis:
         """The lowest modes, of equations of motion (unknown, unknown).
 
         Args:
             K, M, C: sparse; N/m, kg, N s/m.
             free: (place, unknown), sparse.
             count: how many; None: all that the mesh has, or many.
+            drifting: rad/s, next to nothing, given to what resists nothing to the first order; 0: that is refused.
 
         Raises:
             EquilibriumError: something resists nothing to the first order.
@@ -76,6 +77,8 @@ class ModalBasis:
             raise EquilibriumError("something that moves has no mass: kind: linear needs one everywhere; give a mass")
         wanted = min(count or (unknowns if unknowns <= MOST else AMONG), unknowns)
         w, phi = lowest(K, M, wanted)
+        if drifting and (w == 0.0).any():
+            K, w = (K + drifting**2 * M).tocsc(), np.where(w == 0.0, drifting, w)
         if not (w > 0.0).all():
             raise EquilibriumError(
                 "the structure resists nothing to the first order in one way in which it can move; give it tension or "

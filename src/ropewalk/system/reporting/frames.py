@@ -15,7 +15,7 @@ from ropewalk.mechanics.notes import Notes, columns, numbers_of
 from ropewalk.results.audit import Audit, energies
 from ropewalk.results.frame import IN_AIR, MOVES, STICKS, Contacts, Layout
 from ropewalk.results.frames import Frames, summed
-from ropewalk.system.assembling.assembled import Assembled
+from ropewalk.system.assembling.assembled import Assembled, on_of
 from ropewalk.system.contact.beyond_kinks import beyond_kinks
 from ropewalk.system.contact.contact_record import FORCE, ON, PRESCRIBED
 from ropewalk.system.elements.membrane_elements import tensions_of
@@ -206,7 +206,7 @@ class FrameBuilder:
     @property
     def _contact_lines(self) -> list[int]:
         """Numbers of the lines of all contacts."""
-        return [self.assembled.on[wheel.load] for wheel in self.loading.wheels]
+        return [on_of(self.assembled.on, wheel) for wheel in self.loading.wheels]
 
     @property
     def _body_lines(self) -> list[int]:
