@@ -12,7 +12,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from ropewalk.mechanics.chain import Array
-from ropewalk.mechanics.vehicle_matrices import Body, VehicleMatrices
+from ropewalk.mechanics.vehicle_matrices import BESIDE, MIDDLE, Body, VehicleMatrices
 from ropewalk.model.head import HeadRotation
 from ropewalk.model.pantograph import Pantograph
 
@@ -78,8 +78,10 @@ def vehicle_of(
         row = np.concatenate([row_of(pantograph, place), -np.eye(len(on))[j]])
         vehicle.join(row, pantograph.contact_stiffness, pantograph.contact_damping)
     masses = pantograph.parts.masses
+    level = (BESIDE, *(MIDDLE,) * (dim - 2))
+    others = tuple(k for k, place in zip(on, ahead, strict=True) if place == ahead[0])[1:]
     displayed = [
-        Body(f"{name}.{part}", on[0], -ahead[0], (-1,) * (dim - 1) + (first + i,), masses[i])
+        Body(f"{name}.{part}", on[0], -ahead[0], (*level, first + i), masses[i], others)
         for i, part in enumerate(MASSES[len(masses)])
     ]
     return vehicle, displayed
