@@ -73,21 +73,21 @@ def test_implicit_steps_go_where_explicit_ones_and_wires_do(geometry: str, monke
     force, own = (result["contact_force"].values[:, 0, -1] for result in (found, explicit))
     np.testing.assert_allclose(force, own, rtol=0.0, atol=2.0)
     assert max(missed(found), missed(explicit)) < 1e-3
-    np.testing.assert_array_equal(found["contact_force"].values[:, 0, 0], 0.0) if geometry == "linearised" else None
+    assert np.abs(found["contact_force"].values[:, 0, 0]).max() < 1e-6  # a head pushes upwards only
 
 
 def test_orders_are_those_of_the_methods() -> None:
     """A head that stands and is pressed ever harder, below bars: nothing slackens, nothing jumps."""
     found: dict[tuple[str, int], Any] = {}
-    load = {"travel": {"speed": 0.0, "from": 20.0}, "ramp": 1.0}
+    load = {"travel": {"speed": 0.0, "from": 20.0}, "ramp": 0.4, "static_force": "60 N"}
     for method in ("implicit", "rkn6"):
-        for steps in (8, 16, 64):
-            run = {"until": 0.1, "every": 0.1, "step": 0.1 / steps, "accuracy": "1 m", "geometry": "linearised"}
+        for steps in (8, 32, 64):
+            run = {"until": 0.4, "every": 0.4, "step": 0.4 / steps, "accuracy": "1 m", "geometry": "linearised"}
             found[method, steps] = heights(simulate(scenario(BARS, load, method=method, **run)))[-1]
-        first, second = (np.abs(found[method, n] - found[method, 64]).max() for n in (8, 16))
-        print(method, first, second, np.log2(first / second))
-        assert second < 1e-7
-        assert np.log2(first / second) > 3.5
+        first, second = (np.abs(found[method, n] - found[method, 64]).max() for n in (8, 32))
+        print(method, first, second, 0.5 * np.log2(first / second))
+        assert second < 1e-9  # measured 5e-10 and 8e-11, orders 4.5 and 4.3: short waves of the mesh ring on
+        assert 0.5 * np.log2(first / second) > 4.0
 
 
 def test_droppers_tear_where_their_strength_is_reached() -> None:
@@ -115,21 +115,22 @@ def test_droppers_tear_where_their_strength_is_reached() -> None:
 @pytest.mark.parametrize("geometry", ["nonlinear", "linearised"])
 def test_a_line_whirls_as_fast_as_its_mode_at_right_angles_swings(geometry: str) -> None:
     start = {"kind": "mode", "amplitude": 1e-3, "whirl": True}
-    tree = scenario(until=0.2, every=0.01, geometry=geometry, start=start).model_dump()
+    tree = scenario(until=0.25, every=0.01, geometry=geometry, start=start).model_dump()
     asked = Scenario.model_validate({"overhead_lines": {"line": LINE}, "run": tree["run"]})
     assert engine_of(asked) is SYSTEM
     found = simulate(asked)
-    modes = spectrum_of(asked, 12).modes
+    modes = spectrum_of(asked).modes
     assert modes is not None
-    aside = [i for i, shape in enumerate(modes.shape) if (shape[:, 1] ** 2).sum() > (shape[:, [0, 2]] ** 2).sum()]
+    aside = next(i for i, shape in enumerate(modes.shape) if (shape[:, 1] ** 2).sum() > (shape[:, ::2] ** 2).sum())
     speed = float(np.abs(found["velocity"].values[0]).max())
-    assert speed == pytest.approx(1e-3 * modes.frequency[aside[0]], rel=1e-9)
-    assert np.abs(found["position"].values[0] - found["position"].values[0]).max() == 0.0
-    quarter = 0.5 * np.pi / modes.frequency[aside[0]]
-    y = np.abs(found["position"].values[:, :, 1]).max(axis=1)
-    print("quarter", quarter, "y", y.max())
-    if quarter < 0.2:
-        assert y.max() == pytest.approx(1e-3, rel=0.03)
+    assert speed == pytest.approx(1e-3 * modes.frequency[aside], rel=1e-9)
+    away = found["position"].values - modes.position
+    assert np.abs(away[0, :, 2]).max() == pytest.approx(1e-3, rel=1e-6)
+    quarter = 0.5 * np.pi / modes.frequency[aside]
+    y = np.abs(away[:, :, 1]).max(axis=1)
+    print("quarter", quarter, "y", y.max(), found["time"].values[y.argmax()])
+    assert y.max() == pytest.approx(1e-3, rel=0.01)
+    assert found["time"].values[y.argmax()] == pytest.approx(quarter, abs=0.01)
     with_head = simulate(scenario(until=0.1, every=0.02, geometry=geometry, start=start))
     assert missed(with_head) < 1e-2
 
@@ -166,24 +167,26 @@ def test_modes_move_as_small_motion_does_step_by_step() -> None:
 def test_a_force_that_stands_raises_the_wire_by_its_elasticity() -> None:
     """A newton on a line in a thick fluid, beside what form finding answers for wires of constant tension."""
     wires = {key: {**LINE[key], "drag": 60.0} for key in ("contact_wire", "messenger_wire")}
+    line = {**LINE, **wires, "element": 0.5}
     for at in (15.0, 22.0):
-        force = {"kind": "force", "force": [0.0, 1.0], "travel": {"speed": 0.0, "from": at}}
-        tree = {"overhead_lines": {"line": {**LINE, **wires}}, "loads": {"up": {**force, "on": "line"}},
-                "run": {"kind": "linear", "until": 400.0, "every": 200.0}}  # fmt: skip
-        found = simulate(Scenario.model_validate(tree))
-        z = found["contact_position"].values[:, 0, -1]
-        still = Scenario.model_validate({**tree, "loads": {}, "run": {"kind": "equilibrium"}})
-        section = section_of("line", still.overhead_lines["line"])
-        _, rise = elasticity(section, 1.0, stations=np.array([at]))
-        print(at, z[-1] - z[0], rise)
-        assert z[-1] - z[1] == pytest.approx(0.0, abs=1e-6)
+        height = []
+        for up in (1.0, 2.0):
+            force = {"kind": "force", "force": [0.0, up], "travel": {"speed": 0.0, "from": at}}
+            tree = {"overhead_lines": {"line": line}, "loads": {"up": {**force, "on": "line"}},
+                    "run": {"kind": "linear", "until": 400.0, "every": 200.0, "modes": 40}}  # fmt: skip
+            asked = Scenario.model_validate(tree)
+            height.append(simulate(asked)["contact_position"].values[:, 0, -1])
+            assert height[-1][2] == pytest.approx(height[-1][1], abs=1e-6)  # it stands still by then
+        _, rise = elasticity(section_of("line", asked.overhead_lines["line"]), 1.0, stations=np.array([at]))
+        print(at, height[1][2] - height[0][2], rise)
+        assert height[1][2] - height[0][2] == pytest.approx(float(rise[0]), rel=0.03)  # measured 0.02 and 0.01
 
 
 def test_what_is_no_superposition_is_refused_in_plain_words() -> None:
     failing = {**LINE, "droppers": {**DROPPERS, "strength": "400 N"}}
     with pytest.raises(ValidationError, match="other modes afterwards"):
         scenario(failing, kind="linear")
-    with pytest.raises(ValidationError, match=r"irregularity.*not implemented"):
+    with pytest.raises(ValidationError, match="is not implemented for pantographs of the sixth order"):
         scenario(LINE, {"irregularity": "rough.csv"}, method="implicit")
     found, run_info = superposed(scenario(LINE, {"ramp": 1.0}, until=0.2))
     assert found
