@@ -9,7 +9,6 @@ import numpy as np
 
 from ropewalk.mechanics.chain import Array
 
-
 BESIDE, MIDDLE = -1, -2
 """Of a body, along an axis: it is where its wheel is, or in the middle of the track."""
 

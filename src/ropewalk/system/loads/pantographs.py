@@ -21,7 +21,7 @@ from ropewalk.system.contact.contact_record import ON
 from ropewalk.system.elements.structure import SystemState
 from ropewalk.system.loads.bodies import PUSHED, BodyArrays
 
-_PIECES = 64  # of a time in which the speed varies, between which the square of it is a straight line
+_PARTS = 64  # of a time in which the speed varies, between which the square of it is a straight line
 
 
 def with_pantographs(
@@ -72,8 +72,8 @@ def _histories(load: Pantograph, section: Section, until: float) -> tuple[Array,
     push, speed = push_of(load, section.level, lift), load.travel.speed
     knots = {0.0, load.ramp, max(until, load.ramp)}
     knots |= set(speed.time) if isinstance(speed, SpeedTable) else set()
-    pieces = _PIECES if isinstance(speed, SpeedTable) or callable(speed) else 1
-    times = np.unique([np.linspace(a, b, pieces + 1) for a, b in pairwise(sorted(knots))])
+    parts = _PARTS if isinstance(speed, SpeedTable) or callable(speed) else 1
+    times = np.unique([np.linspace(a, b, parts + 1) for a, b in pairwise(sorted(knots))])
     return times, push(times, course.speed(times))
 
 

@@ -37,7 +37,7 @@ class TiesAboutRest:
         self._turn = np.where(turns, self._pull / np.where(length > 0.0, length, 1.0), 0.0)
         self._parts, self._attached = ties.parts(rest.shape[1]), attached
         self._differs = np.flatnonzero(ties.k[:, 0] != ties.k[:, 1])  # where it is longer and where it is shorter
-        self._told: set[int] = set()
+        self._noted: set[int] = set()
 
     def forces(self, x: Array, v: Array) -> tuple[Array, Array]:
         """Forces (tie,) and what each does to its second end (tie, axis), N.
@@ -59,10 +59,10 @@ class TiesAboutRest:
         for e in self._differs.tolist():
             slack = self._longer[e] <= 0.0
             past = self._longer[e] + along[e]
-            if e in self._told or (past > 0.0) != slack or abs(past) * max(self._k[e], 1.0) <= little:
+            if e in self._noted or (past > 0.0) != slack or abs(past) * max(self._k[e], 1.0) <= little:
                 continue
-            self._told.add(e)
-            if len(self._told) == 1:
+            self._noted.add(e)
+            if len(self._noted) == 1:
                 name = self._attached.tie[e] if e < len(self._attached.tie) else "a tie"
                 what = f"at t = {t:.4g} s {name} would {'pull, which is slack' if slack else 'be slack, which is taut'}"
                 cause = "linear theory keeps the droppers that are taut at rest, and no others"
