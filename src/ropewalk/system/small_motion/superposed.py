@@ -229,7 +229,7 @@ class Superposed:
         for k in np.flatnonzero(self._below):
             if -self._least[k] > _DRAWN * self._most[k]:
                 what = f"{self._builder.loading.wheels[int(k)].name} draws the wire down with {-self._least[k]:.3g} N"
-                cause = "it would have lost contact, which linear theory does not know"
+                cause = "it would have lost contact there: linear theory keeps it on the wire"
                 self._run_info.doubt(what, cause, "run.kind", "ask for kind: dynamic, geometry: linearised")
 
     def _frame(self, t: float, moment: Moment, on: NDArray[np.bool_]) -> Frame:
