@@ -56,9 +56,7 @@ def engine_of(asked: Parts | Scenario) -> Engine:
 
 def _of_linear_theory(parts: Parts) -> Engine:
     """Closed forms of lines by themselves; modes of what is joined, held or a surface, or where there are none."""
-    if parts.overhead:
-        return LINEAR
-    if parts.is_network or parts.is_supported:
+    if parts.is_network or parts.is_supported or parts.overhead:
         return SUPERPOSED
     refused = _refused(LINEAR, parts)
     return SUPERPOSED if refused and _refused(SUPERPOSED, parts) < refused else LINEAR
@@ -104,13 +102,13 @@ def _rubs(load: AnyLoad | None) -> bool:
 def _of_beams(parts: Parts) -> Engine:
     """The engine of the system for motions of lines that are slack or have inner supports, or if it supports more.
 
-    Overhead lines go to the system with what only that one supports of their motion; pantographs know wires alone.
+    Overhead lines go to the system with what only that one supports of their motion.
 
     Linearised motions of straight lines are vertical only with the other one, which is faster for it; with an axial
     inertia it takes longer steps on straight lines, with a window fewer nodes.
     """
     if parts.overhead:
-        if not isinstance(parts.run, Dynamic) or any(isinstance(load, Pantograph) for load in parts.loads.values()):
+        if not isinstance(parts.run, Dynamic):
             return WIRES
         refused, moves = _refused(WIRES, parts), not _is_linearised(parts)
         return SYSTEM if refused and _refused(SYSTEM, parts) < refused + moves else WIRES

@@ -14,6 +14,7 @@ from ropewalk.errors import RopewalkError
 from ropewalk.external.models import cosimulation_of
 from ropewalk.mechanics.assembly import speed_table
 from ropewalk.mechanics.loading import loading_of
+from ropewalk.mechanics.pantograph_matrices import MASSES, rotations_of, row_of
 from ropewalk.mechanics.travelled import Travelled
 from ropewalk.model.beginning import UP
 from ropewalk.model.division import links_of_line
@@ -28,15 +29,7 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.overhead.in_space import at_full_stiffness, bow_of, in_space, near_rest
 from ropewalk.overhead.irregularity import read_irregularity
 from ropewalk.overhead.lateral import across, widest
-from ropewalk.overhead.pantograph_loads import (
-    Above,
-    expected_lift,
-    moving_load_of,
-    push_of,
-    rotations_of,
-    row_of,
-    start_of,
-)
+from ropewalk.overhead.pantograph_loads import Above, expected_lift, moving_load_of, push_of, start_of
 from ropewalk.overhead.plan_view import CONTACT
 from ropewalk.overhead.section import Section, joined, section_of
 from ropewalk.results.stored import stored_instant
@@ -53,7 +46,6 @@ from ropewalk.wires.prescribed_motion import PrescribedMotion
 from ropewalk.wires.task import Displayed, WireStart, WireTask, unstretched
 
 _HEAVY = 500.0  # N: droppers bear about 100 N
-_MASSES = {2: ("frame", "head"), 3: ("lower", "upper", "head")}
 
 
 def task_of(scenario: Scenario) -> WireTask:
@@ -276,7 +268,7 @@ def _masses(name: str, load: AnyLoad, prescribed_motion: int) -> list[Displayed]
     size, back = count + len(rotations), -next(iter(load.strips.values()))
     found = [
         Displayed(f"{name}.{part}", prescribed_motion, np.eye(size)[i], 0.0, ahead=back)
-        for i, part in enumerate(_MASSES[count])
+        for i, part in enumerate(MASSES[count])
     ]
     if "pitch" in rotations:
         for wheel, (strip, place) in enumerate(load.strips.items()):

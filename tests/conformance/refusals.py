@@ -47,18 +47,16 @@ _PATTERNS = {
             r"has no small motion: where loading turns",
         "lines that do not stretch have no waves along them": r"have no waves along them that could be slower",
         "a given force is no vehicle": r"of kind force is only a force; what can be exported",
+        "what fails on the way has other modes afterwards": r"has other modes afterwards: nothing is superposed",
+        "a pantograph that goes over to another wire leaves the one behind":
+            r"goes over from one contact wire to the next, and leaves",
     },
     MISSING: {
         "inextensible lines do not move linearised":
             rf"run\.(window|geometry): (linearised geometry )?{_NOT} inextensible",
         "nothing rubs on inextensible lines": rf"\.contact: {_NOT} inextensible",
-        "lines with bending stiffness and networks do not whirl":
-            rf"\.whirl: {_NOT}|a mode outside the x-z plane {_NOT}",
         "no implicit method over sheaves": rf"implicit with lines over sheaves {_NOT}",
-        "overhead lines under such loads begin at rest": rf"run\.start\.kind: {_NOT} overhead",
-        "overhead lines move explicitly": rf"run\.method: {_NOT} (beams|joined|overhead)",
         "no driver and no brake on inextensible lines": rf"\.travel\.(driver|brake): {_NOT} inextensible",
-        "no linear theory of overhead lines": rf"run\.kind: {_NOT} overhead|\.kind: {_NOT} kind: linear",
         "no axial inertia over sheaves, nor in spectra at an instant": rf"axial_inertia: {_NOT}",
         "the sixth order needs forces that do not jump": rf"rkn6 with .* {_NOT}",
         "the implicit method needs forces that do not jump": rf"implicit with .* {_NOT}",

@@ -64,7 +64,6 @@ def said(*settings: str) -> str:
             [f"{LOAD}irregularity: the file cannot be read", "missing.csv (No such file or directory)",
              "name a text file beside the scenario"],
         ),
-        (["run.method=implicit"], ["overhead lines, given implicit; write auto, explicit or verlet"]),
         (
             ["run.window=100 m", "run.geometry=nonlinear",
              f"{LINE}stitch_wire={{length: 12 m, tension: 2 kN}}"],
@@ -115,23 +114,6 @@ def test_masses_that_start_beyond_the_end_or_meet_are_refused() -> None:
     assert "would start beyond the end of line" in problems(text.replace("from: 10 m", "from: 601 m"))
     other = "loads:\n  other: {kind: mass, mass: 5 kg, on: line, travel: {speed: 10 m/s, from: 30 m}}"
     assert "meets load other at" in problems(text.replace("loads:", other))
-
-
-@pytest.mark.parametrize(
-    ("run", "part"),
-    [
-        (
-            "  kind: linear\n  until: 8 s",
-            "is not implemented for overhead lines, given linear; ask for kind: dynamic with geometry: linearised",
-        ),
-    ],
-)
-def test_runs_that_overhead_lines_do_not_know(run: str, part: str) -> None:
-    text = EXAMPLE.read_text(encoding="utf-8")
-    assert DYNAMIC in text
-    message = problems(text.replace(DYNAMIC, run))
-    assert "run.kind: " in message
-    assert part in message
 
 
 def test_droppers_that_are_much_too_long_hang_slack_and_the_wire_alone() -> None:

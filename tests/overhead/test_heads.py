@@ -15,10 +15,11 @@ from scipy.integrate import solve_ivp
 from overhead_cases import EN_2002
 from ropewalk.cosim.vehicle import alone
 from ropewalk.errors import RopewalkError
+from ropewalk.mechanics.pantograph_matrices import row_of
 from ropewalk.model import Scenario
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.overhead.lateral import across
-from ropewalk.overhead.pantograph_loads import Above, moving_load_of, row_of
+from ropewalk.overhead.pantograph_loads import Above, moving_load_of
 from ropewalk.results.contact_statistics import samples
 from ropewalk.results.course import transitions
 from ropewalk.results.frame import RunInfo

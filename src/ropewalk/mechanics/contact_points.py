@@ -21,6 +21,9 @@ from ropewalk.model.load import AnyLoad, ExternalModel, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
+from ropewalk.model.overlap import course_of
+from ropewalk.model.pantograph import Pantograph
+from ropewalk.model.run import HIGH_ORDER
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.stepper import Stepper
 from ropewalk.model.travel import FreeTravel, Measure, Travel
@@ -55,6 +58,8 @@ class ContactPoint:
     free: FreeTravel | None = None
     with_last: bool = False  # it bears the same body as the contact before it
     moved: bool = False  # that is moved level from outside as prescribed, its wheels roll
+    ahead: float = 0.0  # m, of the middle of the load, where that counts
+    ground: bool = True  # whether there is level ground beside its line
     given: bool = field(default=True)  # False for a force that is found while the motion goes on
 
     @property
@@ -65,7 +70,31 @@ class ContactPoint:
 
 def wheels_of(scenario: Scenario) -> list[ContactPoint]:
     """All wheels of all loads, in order."""
-    return [wheel for name, load in scenario.loads.items() for wheel in _wheels(name, load, scenario)]
+    found = list[ContactPoint]()
+    for name, load in scenario.loads.items():
+        if isinstance(load, Pantograph):
+            found += _strips(name, load, scenario)
+        else:
+            found += _wheels(name, load, scenario)
+    return found
+
+
+def _strips(name: str, load: Pantograph, scenario: Scenario) -> Iterator[ContactPoint]:
+    """The strips of a pantograph below each contact wire that it comes to, its own first.
+
+    Methods of a high order have them at particles: along x a wire moves by millimetres.
+    """
+    course = course_of(scenario.overhead_lines, load.on)
+    smooth = getattr(scenario.run, "method", "") in HIGH_ORDER
+    last = (list(course) if load.fastest >= 0.0 else list(course)[::-1])[-1]  # from others it goes over to the next
+    for key in (load.on, *(other for other in course if other != load.on)):
+        for strip, ahead in load.strips.items():
+            part = ".".join(word for word in ("" if key == load.on else key, strip) if word)
+            yield ContactPoint(
+                name, part, key, "material" if smooth else load.travel.measured,
+                load.travel.start - course[key] + ahead, speed=load.travel.speed,
+                at_end=load.travel.at_end if key == last else "leave", lift=-1, ahead=ahead, ground=False,
+            )  # fmt: skip
 
 
 def _wheels(name: str, load: AnyLoad, scenario: Scenario) -> Iterator[ContactPoint]:

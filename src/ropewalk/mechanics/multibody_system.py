@@ -27,6 +27,7 @@ from ropewalk.mechanics.carriage_masses import carriage
 from ropewalk.mechanics.chain import Array, Strands
 from ropewalk.mechanics.compiled import filled_records, records
 from ropewalk.mechanics.contact_points import ContactPoint
+from ropewalk.mechanics.pantograph_matrices import vehicle_of as pantograph_of
 from ropewalk.mechanics.proximity import shares_links
 from ropewalk.mechanics.sideways import Sideways
 from ropewalk.mechanics.vehicle_matrices import Body, VehicleMatrices
@@ -35,6 +36,7 @@ from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.load import AnyLoad, ExternalModel, GivenForces
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.oscillator import Oscillator
+from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.trolley import Payload, Trolley
 from ropewalk.model.vehicle import Vehicle
@@ -92,7 +94,11 @@ def multibody_system_of(
             continue
         on = [k for k, wheel in enumerate(wheels) if wheel.load == name]
         first = sum(v.coordinates for v in vehicles)
-        vehicle, own = _vehicle(name, load, on, dim, first, scenario.gravity, axes)
+        vehicle: VehicleMatrices | None
+        if isinstance(load, Pantograph):
+            vehicle, own = pantograph_of(name, load, on, [wheels[k].ahead for k in on], dim, first)
+        else:
+            vehicle, own = _vehicle(name, load, on, dim, first, scenario.gravity, axes)
         if isinstance(load, Walker | Footsteps) and load.balance is not None and vehicle is not None:
             vehicle = _balancing(vehicle, on, Sideways.of(scenario, load, "left").side[0])
         displayed += own

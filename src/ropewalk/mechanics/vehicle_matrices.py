@@ -9,6 +9,9 @@ import numpy as np
 
 from ropewalk.mechanics.chain import Array
 
+BESIDE, MIDDLE = -1, -2
+"""Of a body, along an axis: it is where its wheel is, or in the middle of the track."""
+
 
 @dataclass(frozen=True)
 class Body:
@@ -17,8 +20,9 @@ class Body:
     name: str
     wheel: int  # where what has no coordinate of its own is: above this wheel,
     ahead: float  # m, and so far ahead of it
-    coordinates: tuple[int, ...]  # (axis,) number of the coordinate, or -1
+    coordinates: tuple[int, ...]  # (axis,) number of the coordinate, BESIDE: that of the wheel, MIDDLE: none
     mass: float  # kg
+    others: tuple[int, ...] = ()  # wheels on lines beside that of the first one, which stand for it when it is off
 
 
 @dataclass

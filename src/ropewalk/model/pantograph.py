@@ -165,12 +165,15 @@ class Pantograph(Declaration):
         """How far ahead of its middle, towards the end of the line, each strip is, m, by name; one has none."""
         if self.head is None or self.head.spacing is None:
             return {"": 0.0}
-        speed = self.travel.speed
-        fastest = max(speed.value, key=abs) if isinstance(speed, SpeedTable) else speed
         half = 0.5 * self.head.spacing
-        return (
-            {"": -half, TRAILING: half} if isinstance(fastest, float) and fastest < 0.0 else {"": half, TRAILING: -half}
-        )
+        return {"": -half, TRAILING: half} if self.fastest < 0.0 else {"": half, TRAILING: -half}
+
+    @property
+    def fastest(self) -> float:
+        """Its largest speed either way, m/s; of one that is a function of time, which goes ahead, 0."""
+        speed = self.travel.speed
+        found = max(speed.value, key=abs) if isinstance(speed, SpeedTable) else speed
+        return found if isinstance(found, float) else 0.0
 
     @property
     def irregularities(self) -> dict[str, str]:

@@ -208,7 +208,8 @@ class Linear(Declaration):
 
     Every line by itself is a taut string, or a beam, along its chord, and moves across that. Of joined lines, of lines
     on inner supports, of lines in calm air, of nets and of membranes, and under loads with a mass for which a string
-    or beam has no answer, it is small motion about rest in all directions, by superposition of modes.
+    or beam has no answer, it is small motion about rest in all directions, by superposition of modes. So it is of
+    overhead lines, whose droppers that are taut at rest stay taut, and pantographs on the wire.
     """
 
     kind: Literal["linear"] = "linear"
@@ -219,8 +220,9 @@ class Linear(Declaration):
     every: PositiveTime | None = Field(default=None, description="interval of output (default: until / 100)")
     modes: Annotated[int, Count(1, 100_000)] | None = Field(
         default=None,
-        description="terms of the modal series (default: exact for strings, converged for beams; of joined lines, nets "
-        "and lines on inner supports all that the mesh has, or 400, and what is left follows the forces at once)",
+        description="terms of the modal series (default: exact for strings, converged for beams; of joined lines, "
+        "nets, overhead lines and lines on inner supports all that the mesh has, or 400, and what is left follows the "
+        "forces at once)",
     )
 
 

@@ -1,8 +1,4 @@
-"""Pantographs as moving loads on wires: coordinates are the heights of the masses in m, from the base to the head.
-
-After them come the pitch of the head, with what is in front up, and its roll, with what is on the left up, in rad. At
-its middle the head stands at z; a strip that is x ahead touches a wire that is y aside at z + x pitch + y roll.
-"""
+"""Pantographs as moving loads on wires, with the coordinates of `mechanics/pantograph_matrices.py`."""
 
 from __future__ import annotations
 
@@ -11,10 +7,9 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from ropewalk.errors import RopewalkError
-from ropewalk.model.head import HeadRotation
+from ropewalk.mechanics.pantograph_matrices import matrices_of, rotations_of, row_of
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.pantographs import mean_force
 from ropewalk.overhead.plan_view import CONTACT
@@ -79,26 +74,6 @@ class PantographForces:
         return np.full_like(speed, self.target)
 
 
-def rotations_of(pantograph: Pantograph) -> dict[str, HeadRotation]:
-    """Rotations of its head, pitch before roll, whose angles are coordinates after the heights of its masses."""
-    head = pantograph.head
-    both = {} if head is None else {"pitch": head.pitch, "roll": head.roll}
-    return {name: rotation for name, rotation in both.items() if rotation is not None}
-
-
-def row_of(pantograph: Pantograph, ahead: float = 0.0, aside: float = 0.0) -> Array:
-    """Height of a point of its head by its coordinates, (coordinate,).
-
-    Args:
-        pantograph: as declared.
-        ahead: m, of the middle of the head.
-        aside: m, to the left of it.
-    """
-    lever = {"pitch": ahead, "roll": aside}
-    heights = np.eye(len(pantograph.parts.masses))[-1]
-    return np.array([*heights, *(lever[name] for name in rotations_of(pantograph))])
-
-
 def moving_load_of(name: str, pantograph: Pantograph, wires: Mapping[int, Above] = _ITS_OWN) -> TravellingLoad:
     """A pantograph below contact wires: the strips of its head push each of them, and may lose contact.
 
@@ -107,16 +82,7 @@ def moving_load_of(name: str, pantograph: Pantograph, wires: Mapping[int, Above]
         pantograph: as declared.
         wires: the contact wires by their numbers in the plan.
     """
-    parts, rotations = pantograph.parts, rotations_of(pantograph).values()
-    size = len(parts.masses)
-    # Spring and damper i stand between masses i - 1 and i, those of the base on the roof.
-    apart = np.eye(size) - np.eye(size, k=-1)
-    # Half of those below the head stand half of a distance from its middle: as a spring against its rotation d^2 / 4.
-    lever = [0.25 * rotation.spring_spacing**2 for rotation in rotations]
-    damping, stiffness = (
-        block_diag(apart.T @ np.diag(own) @ apart, np.diag([own[-1] * square for square in lever]))
-        for own in (parts.damping, parts.stiffness)
-    )
+    mass, damping, stiffness = matrices_of(pantograph)
     middle = row_of(pantograph)
     contacts = tuple(
         Contact(
@@ -127,8 +93,7 @@ def moving_load_of(name: str, pantograph: Pantograph, wires: Mapping[int, Above]
         for wire, above in wires.items()
         for place in pantograph.strips.values()
     )  # fmt: skip
-    inertia = [rotation.inertia for rotation in rotations]
-    return TravellingLoad(name, np.diag([*parts.masses, *inertia]), damping, stiffness, contacts)
+    return TravellingLoad(name, mass, damping, stiffness, contacts)
 
 
 def push_of(pantograph: Pantograph, level: float, lift: float = 0.0) -> PantographForces:

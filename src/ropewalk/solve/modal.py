@@ -28,6 +28,7 @@ Complex = NDArray[np.complex128]
 
 MOST = 1200  # unknowns up to which all modes are taken, some seconds
 AMONG = 400  # modes that are taken of more unknowns, if nothing is said
+_FIRM = 1e-9  # of the least square of a frequency: resistance by which the others follow where something drifts
 _ALONE = 1e-10  # of the damping of two modes: what couples them is nothing
 _APART = 1e-6  # of a frequency: damping that is as close to the critical one is taken this much off it
 _CLEAN = 1e-7  # of all rates: what coupled modes miss of their equations
@@ -49,6 +50,8 @@ class ModalBasis:
         stiffness: (unknown, unknown) N/m.
         free: (place, unknown), places moved by unknowns.
         frequency: (mode,) rad/s, without damping.
+        still: (place, mode), undamped modes over their frequencies, but for those of what drifts.
+        drift: (unknown, drifting mode) what resists nothing, and (unknown, drifting mode) its momenta at 1/s, or none.
     """
 
     rate: Complex
@@ -58,15 +61,18 @@ class ModalBasis:
     stiffness: Any
     free: Any
     frequency: Array
+    still: Array
+    drift: tuple[Array, Array]
 
     @staticmethod
-    def of(K: Any, M: Any, C: Any, free: Any, count: int | None = None) -> ModalBasis:
+    def of(K: Any, M: Any, C: Any, free: Any, count: int | None = None, drifting: float = 0.0) -> ModalBasis:
         """The lowest modes, of equations of motion (unknown, unknown).
 
         Args:
             K, M, C: sparse; N/m, kg, N s/m.
             free: (place, unknown), sparse.
             count: how many; None: all that the mesh has, or many.
+            drifting: rad/s, next to nothing, given to what resists nothing to the first order; 0: that is refused.
 
         Raises:
             EquilibriumError: something resists nothing to the first order.
@@ -76,6 +82,11 @@ class ModalBasis:
             raise EquilibriumError("something that moves has no mass: kind: linear needs one everywhere; give a mass")
         wanted = min(count or (unknowns if unknowns <= MOST else AMONG), unknowns)
         w, phi = lowest(K, M, wanted)
+        drifts = (w == 0.0) & (drifting > 0.0)
+        if drifts.any():
+            least = 1.0 if drifts.all() else float(w[~drifts].min())
+            K = (K + _FIRM * least**2 * M).tocsc()
+            w = np.where(drifts, drifting, w)
         if not (w > 0.0).all():
             raise EquilibriumError(
                 "the structure resists nothing to the first order in one way in which it can move; give it tension or "
@@ -85,12 +96,13 @@ class ModalBasis:
         own = np.diag(D)
         coupled = np.abs(D - np.diag(own)) > _ALONE * max(float(np.abs(own).max(initial=0.0)), 1e-300)
         places = free @ phi
+        more = (places / w)[:, ~drifts], (phi[:, drifts], M @ phi[:, drifts])
         if coupled.any():
             rate, shape, driven = _coupled(w, D)
-            return ModalBasis(rate, places @ shape, places @ driven.T, wanted < unknowns, K, free, w)
+            return ModalBasis(rate, places @ shape, places @ driven.T, wanted < unknowns, K, free, w, *more)
         rate, which, by = alone(w, own)
         shape = places[:, which]
-        return ModalBasis(rate, shape.astype(np.complex128), shape * by, wanted < unknowns, K, free, w)
+        return ModalBasis(rate, shape.astype(np.complex128), shape * by, wanted < unknowns, K, free, w, *more)
 
     def remainder(self, at: Array) -> tuple[Array, Array]:
         """What follows without modes where forces act.
@@ -103,8 +115,10 @@ class ModalBasis:
         """
         if not self.left_out:
             return np.zeros(at.shape), np.zeros((at.shape[1], at.shape[1]))
-        moved = self.free @ self._solver.solve(self.free.T @ at)
-        moved = moved + ((self.shape / self.rate) @ (self.driven.T @ at)).real
+        drift, momentum = self.drift
+        pushed = self.free.T @ at
+        follows = self._solver.solve(pushed - momentum @ (drift.T @ pushed))
+        moved = self.free @ (follows - drift @ (momentum.T @ follows)) - self.still @ (self.still.T @ at)
         return np.asarray(moved), np.asarray(at.T @ moved)
 
     @property

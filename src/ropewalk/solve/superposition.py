@@ -13,7 +13,7 @@ nothing changes any more.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
@@ -64,6 +64,11 @@ class ModalBodies:
     force: Array  # N
     first: Integers  # (contact,) first coordinate of each; -1: its force is given
     load: Integers  # (coordinate,) whose it is
+    pushes: Callable[[float], Array] | None = None  # s to more forces, (coordinate,) N
+
+    def pushed(self, t: float) -> Array:
+        """Forces at time t in s, (coordinate,) N."""
+        return self.force if self.pushes is None else self.force + self.pushes(t)
 
 
 @dataclass(frozen=True)
@@ -244,7 +249,7 @@ class Superposition:
         light = np.flatnonzero((np.diag(b.mass) == 0.0) & ~self._restrained(stretch))
         if not light.size:
             return
-        firm, pull = np.zeros(u.size), b.force - b.damping @ w
+        firm, pull = np.zeros(u.size), b.pushed(stretch.begin) - b.damping @ w
         under = touch.point.ravel() + (self._rows(touch)[0] @ z).real
         for i, k in enumerate(touch.contact):
             if b.first[k] >= 0:
@@ -296,7 +301,8 @@ class Superposition:
         known += np.tensordot(G, N, axes=2)
         J, right = small.left.copy(), np.zeros(small.left.shape[0])
         low, m = 3 * n, own.size
-        right[:low] = small.scale * (b.mass @ w + h * RADAU @ (given + b.force - b.stiffness @ u)).ravel()
+        pushed = np.array([b.pushed(t + c * h) for c in STAGES])
+        right[:low] = small.scale * (b.mass @ w + h * RADAU @ (given + pushed - b.stiffness @ u)).ravel()
         grounded = [self._grounded(stretch, t + c * step.h) for c in STAGES] if small.still.size else []
         right[small.still] = np.concatenate([np.zeros(0), *grounded])[small.still] if grounded else 0.0
         right[low:] = (u[coordinate] - known[:, own]).ravel()

@@ -20,6 +20,8 @@ from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.missing import missing
 from ropewalk.model.oscillator import Oscillator
+from ropewalk.model.overlap import course_of
+from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import HIGH_ORDER, Dynamic, Linear, Quasistatic
 from ropewalk.model.support import Fixed, Moving
@@ -30,6 +32,7 @@ from ropewalk.system.lines_over_sheaves import beside_sheaves, over_sheaves
 from ropewalk.system.methods import of_methods
 from ropewalk.system.several_lines import of_several_lines
 
+_BY_PANTOGRAPHS = "pantographs of the sixth order, implicitly, that whirl or in linear theory"
 _SYSTEM = "joined lines, nets, lines on inner supports, lines in wind and lines with bending stiffness"
 
 
@@ -57,25 +60,52 @@ def _overhead(parts: Parts) -> Iterator[Finding]:
         return
     if parts.lines or parts.nets:
         yield missing(("overhead_lines",), _SYSTEM, remedy="compute them in a scenario of their own")
-    if not isinstance(run, Dynamic):
+    if not isinstance(run, Dynamic | Linear):
         yield missing(("overhead_lines",), _SYSTEM, remedy="ask for kind: dynamic", feature="rest")
         return
-    if run.start.kind != "rest":
-        yield missing(("run", "start", "kind"), what, run.start.kind, "start at rest")
+    if isinstance(run, Linear):
+        yield from _overhead_in_modes(parts)
+    elif run.start.kind == "result":
+        yield missing(("run", "start", "kind"), what, run.start.kind, "start at rest, or from a mode")
     for name, line in parts.overhead.items():
         if line is None:
             continue
         for key in ("strength", "cut"):
-            if getattr(line.droppers, key) is not None and run.window is not None:
+            failing = getattr(line.droppers, key) is not None
+            if failing and isinstance(run, Dynamic) and run.window is not None:
                 path, feature = ("overhead_lines", name, "droppers", key), "a dropper that fails"
                 yield missing(path, "motions in a window", remedy="leave run.window out", feature=feature)
-            elif getattr(line.droppers, key) is not None and run.method in HIGH_ORDER:
-                failing = "overhead lines with droppers that fail"
-                yield missing(("run", "method"), failing, run.method, "use auto or verlet")
         for key in ("contact_wire", "messenger_wire"):
             if late := getattr(line, key).retardation:
                 remedy = "leave retardation out, or use drag"
                 yield missing(("overhead_lines", name, key, "retardation"), what, f"{late:g} s", remedy)
+
+
+def _overhead_in_modes(parts: Parts) -> Iterator[Finding]:
+    """What has other modes afterwards, and what goes over from one wire to another, is no superposition."""
+    for name, line in parts.overhead.items():
+        for key in ("strength", "cut"):
+            if line is not None and getattr(line.droppers, key) is not None:
+                wrong = "a line whose droppers fail has other modes afterwards: nothing is superposed"
+                path, remedy = ("overhead_lines", name, "droppers", key), f"leave {key} out, or {_DYNAMIC}"
+                yield Finding(path, wrong, remedy=remedy)
+    for name, load in parts.loads.items():
+        if isinstance(load, Pantograph) and load.on in parts.overhead and len(course_of(parts.overhead, load.on)) > 1:
+            wrong = "a pantograph goes over from one contact wire to the next, and leaves the one behind"
+            remedy = f"{_DYNAMIC}, or leave overlap out"
+            yield Finding(("loads", name, "on"), wrong, load.on, remedy)
+
+
+def _of_pantographs(parts: Parts) -> Iterator[Finding]:
+    """Heads that roll have other levers from place to place, and irregularities jump in slope."""
+    for name, load in parts.loads.items():
+        if not isinstance(load, Pantograph):
+            continue
+        if load.irregularity is not None:
+            remedy = "leave irregularity out, or method and start of the run"
+            yield missing(("loads", name, "irregularity"), _BY_PANTOGRAPHS, remedy=remedy)
+        if load.head is not None and load.head.roll is not None:
+            yield missing(("loads", name, "head", "roll"), _BY_PANTOGRAPHS, "a block", "leave roll out")
 
 
 def _over_profiles(parts: Parts) -> Iterator[Finding]:
@@ -345,8 +375,9 @@ def _of_tracks(parts: Parts) -> Iterator[Finding]:
 _LINEAR, _DYNAMIC = "kind: linear", "ask for kind: dynamic"
 _LAWS = ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table", "webbing")
 _MORE = (
-    _accuracy, _only_lines, _over_profiles, _overhead, _inextensible, _in_a_window, _joined_between_nodes, _of_loads,
-    beside_sheaves, _of_tracks, _on_nets, supported_by_tension, of_methods, of_several_lines,
+    _accuracy, _only_lines, _over_profiles, _overhead, _of_pantographs, _inextensible, _in_a_window,
+    _joined_between_nodes, _of_loads, beside_sheaves, _of_tracks, _on_nets, supported_by_tension, of_methods,
+    of_several_lines,
 )  # fmt: skip
 MOTION = Capabilities(
     _SYSTEM,
@@ -369,6 +400,7 @@ MOTION = Capabilities(
             "walker",
             "stepper",
             "fmu",
+            "pantograph",
         ),
         "loads.contact": ("clamped", "frictionless", "coulomb", "dragged"),
     },
@@ -418,6 +450,9 @@ def _moves_little(parts: Parts) -> Iterator[Finding]:
 def _stays_in_contact(parts: Parts) -> Iterator[Finding]:
     """What of loads with a mass is not linear, or not known."""
     for name, load in parts.loads.items():
+        stiffness = getattr(load, "contact_stiffness", None)
+        if stiffness is not None and not isinstance(load, Pantograph):
+            yield missing(("loads", name, "contact_stiffness"), _LINEAR, f"{stiffness:g} N/m", "leave it out")
         if not isinstance(load, MovingMass | Oscillator | Vehicle | Matrices):
             continue
         if getattr(load, "contact", "clamped") == "frictionless":
@@ -438,7 +473,8 @@ LINEAR = replace(
     only={
         "run.kind": ("linear",),
         "lines.law.kind": (*_LAWS, "inextensible"),
-        **OF_LINEAR_THEORY,
+        **{key: values for key, values in OF_LINEAR_THEORY.items() if key != "loads.contact_stiffness"},
+        "loads.kind": (*OF_LINEAR_THEORY["loads.kind"], "pantograph"),
         "loads.lift_off": (False,),
     },
     instead={
@@ -451,6 +487,7 @@ LINEAR = replace(
         _only_lines,
         _over_profiles,
         _overhead,
+        _of_pantographs,
         _inextensible,
         _joined_between_nodes,
         _of_tracks,

@@ -17,6 +17,7 @@ from ropewalk.model.law import Inextensible
 from ropewalk.model.load import RUBBING, AnyLoad, ExternalModel, GivenForces
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.missing import missing
+from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import HIGH_ORDER, Dynamic
 from ropewalk.model.scenario import Scenario
@@ -63,8 +64,12 @@ def first_damper(parts: Parts) -> str | None:
     if any(_is_damped(track.model_dump()) for track in parts.tracks.values() if track is not None):
         return "the dampers of tracks"
     for line in parts.overhead.values():
+        if line is not None and (line.droppers.strength is not None or line.droppers.cut is not None):
+            return "droppers that fail"
         if _has({} if line is None else line.model_dump(), ("drag", "damping")):
             return "dampers or the drag of overhead lines"
+    if any(isinstance(load, Pantograph) for load in parts.loads.values()):
+        return "pantographs, which may leave the wire"
     if any(_is_damped(load.model_dump()) for load in parts.loads.values() if load is not None):
         return "dampers or the drag of loads"
     return None
@@ -102,6 +107,8 @@ def _not_smooth(parts: Parts) -> Iterator[tuple[str, str]]:
 def _jumps(load: AnyLoad) -> Iterator[tuple[str, str]]:
     """Find what lets a load's contact jump, or makes its place depend on the places that it had before."""
     travel = getattr(load, "travel", None)
+    if isinstance(load, Pantograph):  # at particles of the wire; its force goes to zero before it leaves
+        return
     if isinstance(travel, FreeTravel):
         yield "free travel", "give it a travel with its speed"
     elif travel is not None and travel.measured != "material":

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import NamedTuple
 
 import scipy.sparse as sparse
 
 from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.mechanics.contact_points import ContactPoint
+from ropewalk.overhead.section import Section
 from ropewalk.system.assembling.surface_paths import Nets
 from ropewalk.system.elements.structure import Structure
 
@@ -41,10 +43,16 @@ class Assembled:
     near: Array  # (axis, node) m, about where its nodes rest
     station: Array  # (node,) m along the line of each
     line: tuple[str, ...]  # (run,) but for those of ways on nets, which come last
-    on: dict[str, int]  # line on which each load travels
+    on: dict[str, int]  # line on which each load travels, and each contact of loads that come to several
     supports: tuple[tuple[str, int], ...]  # names of supports, and which restraints they are
     nets: Nets | None = None
     attached: Attached | None = None
     sheave: tuple[str, ...] = ()  # names of sheaves, in their order
     stretch: Array | None = None  # (run,) stretch of links whose strain counts from the state that they rest in
+    sections: Mapping[str, Section] = field(default_factory=dict)  # overhead lines at rest, by names
     bow: Array | None = None  # (node,) m to the left, from where lines are computed to where results show them: curves
+
+
+def on_of(on: Mapping[str, int], wheel: ContactPoint) -> int:
+    """The line of a contact: of its own where its load comes to several, or that of its load."""
+    return on[wheel.name] if wheel.name in on else on[wheel.load]

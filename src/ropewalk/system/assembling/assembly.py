@@ -23,7 +23,7 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.model.support import Fixed
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.walker import Walker
-from ropewalk.system.assembling.assembled import Assembled
+from ropewalk.system.assembling.assembled import Assembled, on_of
 from ropewalk.system.assembling.carriage_assembly import with_carriages
 from ropewalk.system.assembling.laid import Laid
 from ropewalk.system.assembling.restraints import restraints_of
@@ -39,7 +39,7 @@ from ropewalk.system.elements.profile import Profiles
 from ropewalk.system.elements.saddles import saddles_of
 from ropewalk.system.elements.segments import Segments
 from ropewalk.system.elements.structure import About, Inertia, Lines, Nodes, Restraints, Runs, Structure, WindField
-from ropewalk.system.loads.bodies import BLOWN, BodyArrays
+from ropewalk.system.loads.bodies import BLOWN, PUSHED, BodyArrays
 from ropewalk.system.loads.carriages import Carriages
 from ropewalk.system.loads.tethers import TETHER
 
@@ -246,12 +246,12 @@ def contacts_of(
     contacts = records(len(wheels), CONTACT)
     names = list(scenario.loads)
     lines = list(scenario.lines)
-    contacts["line"] = [lines.index(wheel.on) if wheel.with_last else on[wheel.load] for wheel in wheels]
+    contacts["line"] = [lines.index(wheel.on) if wheel.with_last else on_of(on, wheel) for wheel in wheels]
     contacts["load"] = [names.index(wheel.load) for wheel in wheels]
     contacts["begin"] = [wheel.start for wheel in wheels]
     for key in ("speed_first", "speed_count", "force_first", "force_count"):
         contacts[key] = getattr(loads, key)
-    contacts["lift"] = [wheel.lift for wheel in wheels]
+    contacts["lift"], contacts["clear"] = [wheel.lift for wheel in wheels], [not wheel.ground for wheel in wheels]
     contacts["measure"], contacts["frictionless"] = loads.measure, loads.contact == FRICTIONLESS
     contacts["rubs"] = np.where(
         loads.contact == COULOMB, STANDS, np.where(loads.contact == DRAGGED, friction.DRAGGED, NOT)
@@ -438,7 +438,8 @@ def _bodies(
         mass, per_mass, force, owner[:, 0].copy(), owner[:, 1].copy(), alone, size, at, M, C, K,
         np.zeros((2, len(parts), most, most)), weightless, np.zeros((most, most)), np.zeros(most), np.zeros(mass.size),
         np.zeros(mass.size), load.astype(np.int64), np.zeros(loads, dtype=np.int64), records(0, TETHER),
-        records(0, BLOWN), np.zeros(0), np.zeros(0), np.zeros(0), Carriages.nothing(),
+        records(0, BLOWN), records(0, PUSHED), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0),
+        Carriages.nothing(),
     )  # fmt: skip
 
 

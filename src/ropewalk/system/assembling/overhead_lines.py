@@ -18,6 +18,7 @@ import scipy.sparse as sparse
 from ropewalk.mechanics import law
 from ropewalk.mechanics.assembly import axes_of
 from ropewalk.mechanics.chain import Array
+from ropewalk.mechanics.contact_points import wheels_of
 from ropewalk.model.scenario import Scenario
 from ropewalk.overhead.in_space import at_full_stiffness, bow_of, in_space, near_rest
 from ropewalk.overhead.plan_view import CONTACT
@@ -75,6 +76,7 @@ def overhead_lines_of(scenario: Scenario, axes: tuple[str, ...] | None) -> Assem
         laid = at_full_stiffness(section, line)
         laid = in_space(laid, line) if len(axes) == 3 else laid
         on |= {load: len(runs) + CONTACT for load, it in scenario.loads.items() if it.on == name}
+        on |= {wheel.name: len(runs) + CONTACT for wheel in wheels_of(scenario) if wheel.on == name}
         near = near_rest(section) if len(axes) == 3 else section.rest.position
         own = list(_runs(laid, near, displayed, sum(run.links + 1 for run in runs)))
         parts.append(_Part(laid, own, displayed))
@@ -101,6 +103,7 @@ def overhead_lines_of(scenario: Scenario, axes: tuple[str, ...] | None) -> Assem
         tuple(run.wire.name for run in runs), on, tuple((name, e) for e, name in enumerate(names)),
         attached=attached, stretch=np.array([run.strain for run in runs]),
         bow=np.concatenate(bows) if any(section.view.turns.any() for section in sections.values()) else None,
+        sections=sections,
     )  # fmt: skip
 
 

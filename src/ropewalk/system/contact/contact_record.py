@@ -22,6 +22,7 @@ CONTACT = np.dtype(
         ("origin", _REAL),  # m, where that is at time zero
         ("goes", _REAL),  # m/s, how fast it is moved
         ("lift", _CODE),  # 0: it cannot leave its line; 1: it runs above it, -1: below
+        ("clear", _CODE),  # 1: off its line it touches nothing; 0: there is level ground
         ("apart", _CODE),  # 1: it has left its line and is in the air
         ("was_apart", _CODE),  # when it was last looked at
         ("flown", _REAL),  # s, for which it has been there

@@ -70,10 +70,13 @@ def locate(structure, buffers, contacts, tables, state, table, out, since):
             )
         speed = look_up(tables.speed_time, tables.speed_value, contacts[k].speed_first, contacts[k].speed_count, t)
         old, contacts[k].measured = state.s[k], speed
-        if contacts[k].apart == 1 and was == ON:
+        flies = contacts[k].apart == 1 and was == ON
+        if flies:
+            contacts[k].flown += since
+        if flies and contacts[k].clear == 0:
             s = _below(structure, contacts, state, k, old)
             if since > 0.0:
-                contacts[k].speed, contacts[k].flown = (s - old) / since, contacts[k].flown + since
+                contacts[k].speed = (s - old) / since
             if contacts[k].measure != SLIP:  # it goes on from where it lands
                 landed = _measured(structure, buffers, contacts, state, k, s)
                 contacts[k].begin = landed - travelled(tables, contacts, k, t)

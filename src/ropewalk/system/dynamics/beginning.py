@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sparse
+from numpy.typing import NDArray
 
 from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.chain import HORIZONTAL, MATERIAL, Array, Integers
@@ -27,8 +29,9 @@ _AWAY = 1e-9  # of the size of a structure: what is held this close is where it 
 
 
 def begin_elsewhere(
-    structure: Structure, state: SystemState, start: Start, displayed: Integers, of_line: Sequence[str], *, within: bool
-) -> None:
+    structure: Structure, state: SystemState, start: Start, displayed: Integers, of_line: Sequence[str], *,
+    within: bool, apart: Sequence[str] = (),
+) -> None:  # fmt: skip
     """Put a structure at rest, without its loads, into a mode or to where it was at a stored instant.
 
     Args:
@@ -38,6 +41,7 @@ def begin_elsewhere(
         displayed: nodes in the order of results.
         of_line: the line of each of these.
         within: whether it stays in the plane.
+        apart: overhead lines, each of which has a mode of its own.
 
     Raises:
         RopewalkError: there is no such mode, or the file does not fit.
@@ -49,17 +53,18 @@ def begin_elsewhere(
     potential = SystemPotential(
         structure, LoadedStructure(structure, state.r), float(np.ptp(state.r, axis=1).max()), within=within
     )
-    on = None
-    if start.line is not None:
-        on = np.zeros(state.r.shape[1], dtype=np.bool_)
-        on[displayed] = np.array(of_line) == start.line
-    way, number = np.array(spatial(start.direction or UP)), start.number or 1
-    shape, _ = _mode(potential, state, number, way, on)
-    if start.whirl:  # a quarter of a period later it is where the mode at right angles to it is now
-        chord = _chord(state.r[:, displayed], of_line, start.line)
-        beside, omega = _mode(potential, state, number, np.cross(chord, way), on)
-        state.v[:] += start.amplitude * omega * beside
-    state.r[:] += start.amplitude * shape
+    way, number, rest = np.array(spatial(start.direction or UP)), start.number or 1, state.r.copy()
+    lines: list[str | None] = [one for one in apart if start.line in (None, one)]
+    for name in lines or [start.line]:
+        own = [line for line in dict.fromkeys(of_line) if name in (None, line) or line.startswith(f"{name}.")]
+        on = np.zeros(rest.shape[1], dtype=np.bool_)
+        on[displayed] = np.isin(of_line, own)
+        mode = partial(_mode, potential, rest, number, on=None if name is None else on, alone=bool(apart))
+        shape, _ = mode(way)
+        if start.whirl:  # a quarter of a period later it is where the mode at right angles to it is now
+            beside, omega = mode(np.cross(_chord(rest[:, displayed], of_line, own[0]), way))
+            state.v[:] += start.amplitude * omega * beside
+        state.r[:] += start.amplitude * shape
     if structure.taut is not None:
         solve = sparse.linalg.lsqr(potential.free, state.v.ravel(), atol=0.0, btol=0.0)[0]
         r, rate = bring(potential, state.r.ravel(), solve)
@@ -67,20 +72,23 @@ def begin_elsewhere(
 
 
 def _mode(
-    potential: SystemPotential, state: SystemState, number: int, way: Array, on: np.ndarray | None
+    potential: SystemPotential, rest: Array, number: int, way: Array, *, on: NDArray[np.bool_] | None, alone: bool
 ) -> tuple[Array, float]:
-    """Shape (axis, node) of a mode whose largest displacement is 1, and its frequency, rad/s."""
-    axes, n = state.r.shape
-    at = state.r.ravel()
+    """Shape (axis, node) of a mode whose largest displacement is 1, and its frequency, rad/s; of some nodes alone."""
+    axes, n = rest.shape
+    at = rest.ravel()
     K, inner = potential.stability(at)
+    if alone and on is not None:
+        own = np.asarray(abs(potential.free[:, inner][np.tile(on, axes)]).sum(axis=0)).ravel() > 0.0
+        K, inner = K[own][:, own], inner[own]
     M = potential.masses()[inner][:, inner]
     free = potential.free[:, inner].tocsr()
     if potential.structure.taut is not None:
         Z = sparse.csr_matrix(ways(potential, at, inner))
         K, M, free = Z.T @ K @ Z, Z.T @ M @ Z, free @ Z
     component = {2: (0, 2), 3: (0, 1, 2)}[axes]  # of x, y, z
-    own = np.add.outer(3 * np.arange(n), component).T.ravel()  # rows of nodes one after the other
-    spread = sparse.csr_matrix((np.ones(axes * n), (own, np.arange(axes * n))), shape=(3 * n, axes * n))
+    place = np.add.outer(3 * np.arange(n), component).T.ravel()  # rows of nodes one after the other
+    spread = sparse.csr_matrix((np.ones(axes * n), (place, np.arange(axes * n))), shape=(3 * n, axes * n))
     K = (0.5 * (K + K.T)).tocsc()
     shape = mode_of(K, M.tocsc(), spread @ free, number, way, on)
     out = shape[:, component].T
@@ -89,9 +97,9 @@ def _mode(
     return out, float(np.sqrt((q @ (K @ q)) / (q @ (M @ q))))
 
 
-def _chord(r: Array, of_line: Sequence[str], line: str | None) -> Array:
-    """Unit vector from the start to the end of a line, the first one if none is named."""
-    own = np.flatnonzero(np.array(of_line) == (line or of_line[0]))
+def _chord(r: Array, of_line: Sequence[str], line: str) -> Array:
+    """Unit vector from the start to the end of a line."""
+    own = np.flatnonzero(np.array(of_line) == line)
     way = r[:, own[-1]] - r[:, own[0]]
     return np.asarray(way / np.linalg.norm(way))
 

@@ -69,6 +69,11 @@ class Cuts(Parting):
     def _watched(self) -> list[int]:
         return [i for i, cut in enumerate(self._cuts) if not self._done[i] and math.isfinite(cut.strength)]
 
+    def excess(self, system: System) -> float:
+        """By how much the most pulled line is above its strength, over this."""
+        cuts = [self._cuts[i] for i in self._watched()]
+        return max((float(system.buffers.tension[cut.links].max()) / cut.strength for cut in cuts), default=0.0) - 1.0
+
     def overpulled(self, system: System) -> list[str]:
         """Part lines that pull more than they bear; returns what is to be told of them."""
         messages = []

@@ -51,6 +51,12 @@ class FailingTies(Parting):
         due = self._whole & (self._time * (1.0 - _ROUNDING) <= system.state.t[0])
         return self._fail(due, self._forces(system), system) if due.any() else []
 
+    def excess(self, system: System) -> float:
+        """By how much the most pulled tie is above its strength, over this."""
+        if not self.is_watched():
+            return -1.0
+        return float((self._forces(system) / self._strength)[self._whole].max()) - 1.0
+
     def overpulled(self, system: System) -> list[str]:
         """Let ties fail that pull more than they bear."""
         if not self.is_watched():

@@ -43,6 +43,9 @@ _FINE, _ROUNDING, _STALLED = 1e-11, 1e-13, 1e-2
 _MOST, _SLOW = 20, 0.1
 # Steps of almost equal length share their factors; below this part of the time ahead they are given up.
 _SAME, _LEAST = 0.02, 1e-12
+# By how much what is watched may be above zero where a step ends for it, and the least part of a step by which its end
+# is taken nearer.
+_JUST, _PART = 1e-8, 1e-3
 # The first step, in those of explicit motion.
 _FIRST = 4.0
 
@@ -78,15 +81,19 @@ class Implicit:
         self._first = min(_FIRST * first, longest)  # s, after a jump
         self.memory = np.array([self._first])  # s, the step to try next
         self.steps = 0
+        self._watch: Callable[[], float] | None = None
+        self._seen = False
+        self._past: tuple[float, float] | None = None  # s, at which what is watched has been seen above zero, and that
         self._forces = Forces(system, self._loaded)
         self._lengths = KeptLengths(system, self._potential, self._forces)
         self._arrange()
 
-    def to(self, end: float) -> int:
-        """Go on to a time in s; returns what has come of it."""
+    def to(self, end: float, watch: Callable[[], float] | None = None) -> int:
+        """Go on to a time in s, or to where what is watched becomes positive; returns what has come of it."""
+        self._watch, self._seen, self._past = watch, False, None
         while (found := next_change(self.system, end)) is not None:
             status = self._go(found.before)
-            if status != motion.RUNNING:
+            if status != motion.RUNNING or self._seen:
                 return status
             self.memory[0] = min(self._first, float(self.memory[0]))
             if self._change(found.after):
@@ -138,6 +145,9 @@ class Implicit:
             matrix[kept][:, kept].tocsc()
             for matrix in (potential.stiffness(shape), potential.damping(shape), potential.masses())
         ))  # fmt: skip
+        nothing = (self._K.diagonal() == 0.0) & (self._C.diagonal() == 0.0) & (self._M.diagonal() == 0.0)
+        nothing[kept.size :] = False  # of contacts in the air, see `Forces.at`
+        self._K = (self._K + sparse.diags(nothing.astype(np.float64))).tocsc()
         self._factored = 0.0
 
     def _factor(self, dt: float) -> tuple[Callable[[Any], Any], ...]:
@@ -164,13 +174,24 @@ class Implicit:
         balance = self._balance()
         while (rest := end - float(state.t[0])) > _LEAST * (end - begin):
             wish = min(float(self.memory[0]), self._longest)
-            dt = rest / max(np.ceil(rest / wish - 1e-9), 1.0)
+            dt = self._nearer(rest / max(np.ceil(rest / wish - 1e-9), 1.0))
             if dt < _LEAST * max(end, end - begin):
                 return motion.NOT_FINITE
             taken = self._step(dt, balance)
             balance = balance if taken is None else taken
+            if self._seen:  # the next step begins anew
+                self.memory[0] = min(self._first, float(self.memory[0]))
+                return motion.RUNNING
         state.t[0] = end
         return motion.RUNNING
+
+    def _nearer(self, dt: float) -> float:
+        """A step of dt in s, or a shorter one to where what is watched is about to become positive."""
+        if self._past is None or self._watch is None:
+            return dt
+        now = self._watch()
+        share = min(max((0.5 * _JUST - now) / (self._past[1] - now), _PART), 1.0 - _PART)
+        return min(dt, share * (self._past[0] - float(self.system.state.t[0])))
 
     def _balance(self) -> Array:
         """Forces on the unknowns in the present state, N."""
@@ -197,10 +218,18 @@ class Implicit:
             return None
         V = self._method.D @ Z / dt
         acceleration = self._free @ (self._method.D[-1] @ (V - v) / dt)
-        powers, work = Powers(forces, contacts), np.zeros(WORKS)
+        powers, work, seen = Powers(forces, contacts), np.zeros(WORKS), -np.inf
         for j in range(Z.shape[0]):
             self._lengths.pull(self._pulls + Z[j, self._kept.size :])
             powers.see(*self._stage(t, dt, shape, Z, V, j))
+            seen = seen if self._watch is None else max(seen, self._watch())
+        if seen > _JUST:
+            self._back(t, shape, rates)
+            self._past = t + dt, seen
+            return None
+        self._seen = seen > 0.0
+        if self._past is not None:  # Illinois's way
+            self._past = self._past[0], 0.5 * self._past[1]
         for weight, power in zip(self._method.A[-1], powers.at_stages(dt, self._method.D), strict=True):
             work += dt * weight * power
         state.work[:] += work

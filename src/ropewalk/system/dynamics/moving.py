@@ -14,7 +14,6 @@ from ropewalk.controllers.assembly import controllers_of
 from ropewalk.controllers.partner import Partner
 from ropewalk.errors import EquilibriumError
 from ropewalk.external.cosimulation_master import begun
-from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.loading import loading_of
 from ropewalk.mechanics.multibody_system import hung
@@ -51,6 +50,7 @@ from ropewalk.system.equilibrium.statics import SystemPotential
 from ropewalk.system.equilibrium.structures import structure_of
 from ropewalk.system.loads.crabs import Crabs, stand_on_lines
 from ropewalk.system.loads.loaded_structure import Carried, LoadedStructure, load_springs, measure_from_ends
+from ropewalk.system.loads.pantographs import stand_below, with_pantographs
 from ropewalk.system.methods import first_damper, shaken
 from ropewalk.system.reporting import doubts
 from ropewalk.system.reporting.contact_doubts import ContactDoubts
@@ -111,6 +111,9 @@ class SystemMotion:
         self.assembled = replace(self.assembled, structure=self.structure, near=self.rest)
         loading = self.loading = loading_of(scenario, asked.until, axes=self.assembled.axes)
         self.contacts, self.tables, self.bodies = contacts_of(scenario, loading, self.structure, self.assembled.on)
+        self._places = len(self.assembled.axes) * int((self.contacts["kind"] == BODY).sum())
+        sections = self.assembled.sections
+        self.bodies = with_pantographs(self.bodies, scenario, self._places, asked.until, sections)
         refuse_beyond(scenario, loading, self.contacts, self.structure)
         measure_from_ends(self.contacts, self.structure, self.rest)
         dim, n = self.rest.shape
@@ -122,7 +125,7 @@ class SystemMotion:
         self._A, self._b = np.zeros((3, 4)), np.zeros(3)
         self._method, self._step = VERLET, 0.0
         stages = self._choose(asked)
-        self._limit_tension()
+        stability.limit_tension(self.structure, self.contacts, self._buffers)
         windy = scenario.wind is not None and not scenario.wind.is_calm
         ahead = runs_ahead_of_cuts(scenario, self.assembled.line, self.structure.lines.begin)
         self._builder = FrameBuilder(self.assembled, loading, self.bodies, windy, cut=ahead)
@@ -147,7 +150,7 @@ class SystemMotion:
         elif asked.start.kind != "rest" and not past:
             begin_elsewhere(
                 self.structure, self.state, asked.start, self._builder.node, self.layout.node_line,
-                within=scenario.is_plane,
+                within=scenario.is_plane, apart=tuple(self.assembled.sections),
             )  # fmt: skip
             self._crabs.reach(self._locate)
         self._stand(with_loads=asked.start.with_loads)
@@ -237,15 +240,6 @@ class SystemMotion:
         """Whether stiff contacts give way within a step."""
         return self.run_info.method == "explicit"
 
-    def _limit_tension(self) -> None:
-        """Note how far tensions of inextensible lines may grow before steps are too long for their waves."""
-        if (tight := self._buffers.tight) is None:
-            return
-        for s in np.flatnonzero(self.structure.runs.law[:, 0] == law.RIGID):
-            part = slice(self.structure.runs.first[s], self.structure.runs.first[s] + self.structure.runs.links[s])
-            tight.fast[part] *= stability.waves_of(self.structure, self.contacts, int(s))
-        tight.time[3] = (2.0 * stability.GROWN) ** 2
-
     def _allowed(self) -> float:
         """The step in s that tensions of inextensible lines allow that bear what is there at the beginning."""
         if (tight := self._buffers.tight) is None:
@@ -261,8 +255,7 @@ class SystemMotion:
 
     def _lead(self) -> None:
         """Let loads that decide on the way take their first decisions."""
-        places = len(self.assembled.axes) * int((self.contacts["kind"] == BODY).sum())
-        self._carrier = SystemCarrier(self._system(), self._scenario.gravity, places, self._step)
+        self._carrier = SystemCarrier(self._system(), self._scenario.gravity, self._places, self._step)
         led = {name: load for name, load in self._scenario.loads.items() if not steps_by_table(load)}
         controllers = controllers_of(self._carrier, self.loading, self._scenario.model_copy(update={"loads": led}))
         self._asking = Asking(self._carrier, controllers)
@@ -326,6 +319,7 @@ class SystemMotion:
             below = hung(load.payload, float(tether["stiffness"]), self._scenario.gravity, self.loading.axes)
             state.u[first : first + axes] = state.u[above : above + axes] + below
             state.w[first : first + axes] = state.w[above : above + axes]
+        stand_below(self._scenario, self.contacts, self.bodies, self._places, state)
         if with_loads:
             state.u[:] = resting
         if self._carriages.rounds:
@@ -374,7 +368,8 @@ class SystemMotion:
     def _go(self, end: float) -> int:
         """Go on to a time in s; returns what has come of it."""
         if self._implicit is not None:
-            status, self.run_info.steps = self._implicit.to(end), self._implicit.steps
+            status = self._partings.implicitly(self._implicit, end)
+            self.run_info.steps = self._implicit.steps
             return status
         status = self._partings.to(self._asking, end) if self._window is None else self._go_in_window(end)
         self.run_info.steps, self._carrier.steps = self.run_info.steps + self._carrier.steps, 0

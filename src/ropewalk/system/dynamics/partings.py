@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING
 
 from ropewalk.checkpoint import Tree
 from ropewalk.results.frame import RunInfo
 from ropewalk.system.dynamics import motion
 from ropewalk.system.dynamics.asking import Asking
 from ropewalk.system.dynamics.carrier import System
+
+if TYPE_CHECKING:
+    from ropewalk.system.dynamics.implicit import Implicit
 
 
 class Parting(ABC):
@@ -28,6 +32,10 @@ class Parting(ABC):
     @abstractmethod
     def is_watched(self) -> bool:
         """Whether one may still part because it is pulled too much."""
+
+    @abstractmethod
+    def excess(self, system: System) -> float:
+        """By how much the most pulled one is above its strength, over this; negative: none is."""
 
     @abstractmethod
     def until(self, system: System) -> list[str]:
@@ -88,6 +96,25 @@ class Partings:
             if time == end:
                 break
         return motion.RUNNING
+
+    def implicitly(self, implicit: Implicit, end: float) -> int:
+        """Go on to a time in s by implicit steps, which end where something parts; returns what has come of it."""
+        system = implicit.system
+        while True:
+            time = min(end, *(kind.next() for kind in self._kinds.values()))
+            if time > system.state.t[0]:
+                watched = any(kind.is_watched() for kind in self._kinds.values())
+                status = implicit.to(time, self._excess(system) if watched else None)
+                if status != motion.RUNNING:
+                    return status
+                self._tell(kind.overpulled(system) for kind in self._kinds.values())
+            if system.state.t[0] >= time:
+                self._tell(kind.until(system) for kind in self._kinds.values())
+            if system.state.t[0] >= end:
+                return motion.RUNNING
+
+    def _excess(self, system: System) -> Callable[[], float]:
+        return lambda: max(kind.excess(system) for kind in self._kinds.values())
 
     def _tell(self, found: Iterable[list[str]]) -> None:
         for messages in found:

@@ -22,6 +22,7 @@ from ropewalk.system.elements.surfaces import damp_surfaces
 from ropewalk.system.elements.ties import damp_ties
 from ropewalk.system.loads.bodies import STAYS
 from ropewalk.system.loads.loaded_structure import LoadedStructure, gathered
+from ropewalk.system.loads.pushes import pushes_at
 
 # Parts of a step over which strains are differenced along their velocities, once and twice: rounding is as small as
 # what it cuts off.
@@ -47,6 +48,7 @@ class Forces:
         structure, bodies, own = system.structure, system.bodies, system.bodies.mass.size
         restrained = structure.restraints
         self.K, self.C = (gathered(bodies, matrix, own).tocsr() for matrix in (bodies.K, bodies.C))
+        self._stiff = self.K.diagonal()
         rank = np.einsum("eaa->e", restrained.free)
         self._driven = np.flatnonzero((restrained.entries > 1) & (rank < 0.5))
         self._sprung = np.flatnonzero(restrained.stiffness.any(axis=(1, 2)) | restrained.damping.any(axis=(1, 2)))
@@ -166,7 +168,9 @@ class Forces:
         """Forces on coordinates of loads, N."""
         state, contacts, bodies = self.system.state, self.system.contacts, self.system.bodies
         axes = state.r.shape[0]
-        out = np.asarray(bodies.force - self.K @ state.u - self.C @ state.w)
+        out = np.asarray(bodies.force + pushes_at(bodies, float(state.t[0])) - self.K @ state.u - self.C @ state.w)
+        for contact in contacts[(contacts["apart"] == 1) | ((contacts["clear"] == 1) & (contacts["state"] != ON))]:
+            self._follow(contact, out)
         for contact in contacts[(contacts["kind"] == BODY) & (contacts["state"] == ON)]:
             first = int(contact["first"])
             out[first : first + axes] += contact["given"][:axes] - contact["N"][:axes]
@@ -179,6 +183,14 @@ class Forces:
             meets = state.w[own] - self.system.structure.wind.at(float(state.t[0]))
             out[own] -= blown["drag"] * np.linalg.norm(meets) * meets
         return out
+
+    def _follow(self, contact: Any, out: Array) -> None:
+        """Let what is in the air, and has neither mass nor spring, follow the line, as if it were on it."""
+        axes, bodies = self.system.state.r.shape[0], self.system.bodies
+        own = int(contact["first"]) + np.arange(axes)
+        free = (bodies.per_mass[own] == 0.0) & (self._stiff[own] == 0.0)
+        away = contact["p"][:axes] - self.system.state.u[own]
+        out[own[free]] = away[free] * float(contact["moving"] * (contact["state"] == ON))
 
     def tethers(self) -> Iterator[tuple[Any, Array, float, float]]:
         """All tethers that hold: records, unit vectors, tensions and those of their dampers alone, N."""
@@ -227,6 +239,7 @@ class Forces:
         bodies = self.system.bodies
         w = np.where(bodies.gone[bodies.load] == STAYS, state.w, 0.0) if bodies.load.size else state.w
         power[IN_BODIES] = float(w @ (self.C @ w))
+        power[LOADED] += float(w @ pushes_at(bodies, t))
         for tether, way, _, damper in self.tethers():
             below, above = int(tether["first"]), int(self.system.contacts[tether["contact"]]["first"])
             axes = state.r.shape[0]

@@ -18,7 +18,7 @@ from ropewalk.system.contact.yielding import AXIAL, stiffness_at_rest
 from ropewalk.system.elements.compliance import CORRECTION, NEAR, PARTS, SHARES, SHORT, compliances
 from ropewalk.system.elements.inertia import stiffer
 from ropewalk.system.elements.membrane_elements import bounds_of_cells
-from ropewalk.system.elements.structure import Structure
+from ropewalk.system.elements.structure import Buffers, Structure
 from ropewalk.system.loads.bodies import BodyArrays
 
 # Part of the stable step that is used. A contact of a body gives way within a step so that it needs half of the square
@@ -266,6 +266,16 @@ def waves_of(structure: Structure, contacts: Any, s: int) -> float:
             here = (_SHARED + runs.rho[s] * runs.h[s] * float(contact["light"])) * float(compliances()[0, 0].max())
             found = max(found, 4.0 * _ARCS + here)
     return found
+
+
+def limit_tension(structure: Structure, contacts: Any, buffers: Buffers) -> None:
+    """Note how far tensions of inextensible lines may grow before steps are too long for their waves."""
+    if (tight := buffers.tight) is None:
+        return
+    for s in np.flatnonzero(structure.runs.law[:, 0] == law.RIGID):
+        part = slice(structure.runs.first[s], structure.runs.first[s] + structure.runs.links[s])
+        tight.fast[part] *= waves_of(structure, contacts, int(s))
+    tight.time[3] = (2.0 * GROWN) ** 2
 
 
 def while_passing(structure: Structure, contacts: Any, tables: Tables) -> float:

@@ -365,11 +365,14 @@ class SystemPotential:
         """
         contacts, one = self.loaded.contacts[self.loaded.on], np.eye(self.axes)
         S, axial, long = contacts["moving"], contacts["axial"][:, None, None], contacts["spread"][:, None, None]
-        more = np.where(contacts["axial_stiffness"] > 0.0, contacts["axial_stiffness"] - S, 0.0)[:, None, None]
+        away = (contacts["apart"] == 1) & (contacts["clear"] == 1)  # and follows the line along it
+        along = ~away & (contacts["axial_stiffness"] > 0.0)
+        more = np.where(along, contacts["axial_stiffness"] - S, 0.0)[:, None, None]
         t, d = (contacts[key][:, : self.axes] for key in ("tangent", "d"))
         tt, td = t[:, :, None] * t[:, None, :], t[:, :, None] * d[:, None, :]
         across, dd = one - tt, d[:, :, None] * d[:, None, :]
         of_reach = S[:, None, None] * one + more * tt
+        of_reach[away, -1, -1] = 0.0
         mixed = more * (td + axial * across) / long
         of_turn = more * (dd - axial * (axial * across + td + td.transpose(0, 2, 1))) / long**2
         W = np.block([[of_reach, mixed], [mixed.transpose(0, 2, 1), of_turn]])

@@ -44,6 +44,7 @@ SOFT = 0.25
 STAYS, LEAVES, GONE_FOR_GOOD = 0, 1, 2
 
 BLOWN = np.dtype([("first", "i8"), ("drag", "f8")], align=True)  # a particle, and kg/m, force over speed squared
+PUSHED = np.dtype([("coordinate", "i8"), ("first", "i8"), ("count", "i8")], align=True)  # by a force with a history
 
 
 class BodyArrays(NamedTuple):
@@ -70,6 +71,9 @@ class BodyArrays(NamedTuple):
     gone: Integers  # (load,) STAYS, LEAVES or GONE_FOR_GOOD
     tethers: Records
     blown: Records
+    pushed: Records
+    push_time: Array  # s, of forces on coordinates
+    push_value: Array  # N
     hoist_time: Array  # s, speeds at which ropes of payloads are taken in
     hoist_value: Array  # m/s
     hoist_path: Array  # m, since time zero
@@ -102,7 +106,7 @@ def _balance(structure, buffers, contacts, bodies, state, table, out, p, rate):
             k, a = bodies.contact[c], bodies.axis[c]
             for j in range(n):
                 A[i, j] = 0.0
-            if bodies.per_mass[c] > 0.0 or (k >= 0 and contacts[k].state != ON):
+            if bodies.per_mass[c] > 0.0 or (k >= 0 and contacts[k].state != ON and contacts[k].clear == 0):
                 A[i, i], b[i] = 1.0, state.u[c]
                 continue
             b[i] = bodies.force[c] + (contacts[k].given[a] if k >= 0 else 0.0)
@@ -114,7 +118,7 @@ def _balance(structure, buffers, contacts, bodies, state, table, out, p, rate):
                 else:
                     A[i, j] += bodies.C[p, i, j] * rate
                     b[i] += bodies.C[p, i, j] * rate * bodies.old[d]
-            if k >= 0:
+            if k >= 0 and contacts[k].state == ON:
                 stiffen(structure, buffers, contacts, state, table, out, k)
                 for j in range(n):  # N changes by S and by the tension that the kink makes
                     d = bodies.at[p, j]
@@ -127,6 +131,8 @@ def _balance(structure, buffers, contacts, bodies, state, table, out, p, rate):
                 along = firmness_along(contacts, k) * contacts[k].axial * contacts[k].tangent[a]
                 b[i] -= contacts[k].moving * contacts[k].d[a] + along
                 bear(contacts, bodies, state, A, b, p, i, rate)
+            if A[i, i] == 0.0 and k >= 0:  # in the air, where no spring holds it
+                A[i, i], b[i] = 1.0, contacts[k].p[a] if contacts[k].state == ON else state.u[c]
         solve(A, b, n)
         most = 0.0
         for i in range(n):
@@ -186,6 +192,8 @@ def kick(structure, contacts, bodies, state, h, half):
             f[c] += contacts[k].given[bodies.axis[c]] - contacts[k].N[bodies.axis[c]]
             if contacts[k].frictionless == 1:
                 f[c] += contacts[k].hold * structure.runs.ahead[contacts[k].run, bodies.axis[c]]
+    for e in range(bodies.pushed.size):
+        f[bodies.pushed[e].coordinate] += pushed_with(bodies, e, state.t[0])
     for k in range(contacts.size):  # further ones that carry the same body
         if contacts[k].kind != FORCE and bodies.contact[contacts[k].first] != k:
             for a in range(state.r.shape[0]):
@@ -232,6 +240,10 @@ def kick(structure, contacts, bodies, state, h, half):
             if k >= 0 and contacts[k].frictionless == 1:
                 level = structure.runs.ahead[contacts[k].run, bodies.axis[c]]
                 state.work[RESTRAINED] += 0.5 * h * contacts[k].hold * level * (w[c] + old[c])
+    for e in range(bodies.pushed.size):
+        c = bodies.pushed[e].coordinate
+        if bodies.gone[bodies.load[c]] == STAYS:
+            state.work[LOADED] += 0.5 * h * pushed_with(bodies, e, state.t[0]) * (w[c] + old[c])
     for e in range(bodies.tethers.size):
         first, own = bodies.tethers[e].first, contacts[bodies.tethers[e].contact].first
         if bodies.gone[bodies.load[first]] == STAYS:
@@ -251,9 +263,16 @@ def kick(structure, contacts, bodies, state, h, half):
 
 
 @inlined
+def pushed_with(bodies, e, t):
+    """Force of number e with a history at time t in s, N."""
+    first, count = bodies.pushed[e].first, bodies.pushed[e].count
+    return look_up(bodies.push_time, bodies.push_value, first, count, t)
+
+
+@inlined
 def is_beside(contacts, k):
     """Whether contact k, -1: none, is on the ground before or behind its line."""
-    return k >= 0 and contacts[k].state == AWAY
+    return k >= 0 and contacts[k].state == AWAY and contacts[k].clear == 0
 
 
 @lean_inner
@@ -307,7 +326,9 @@ def _push_by_wind(wind, bodies, state, h):
 
 @lean_inner
 def ground(structure, contacts, state, k):
-    """Put contact k, which is off its line, on firm ground where that ends now, with its profile."""
+    """Put contact k, which is off its line, on firm ground where that ends now, with its profile, if there is any."""
+    if contacts[k].clear == 1:
+        return
     lines, runs, line = structure.lines, structure.runs, contacts[k].line
     run = lines.first[line]
     node = runs.first[run]
@@ -355,7 +376,9 @@ def arrive(structure, buffers, contacts, bodies, state, table, out):
             overrun = contacts[k].overrun
         for a in range(axes):
             c = contacts[k].first + a
-            if comes > 0:
+            if comes > 0 and contacts[k].clear == 1:  # it comes below its line, as high as it is
+                state.u[c] = contacts[k].p[a] if a < axes - 1 else state.u[c]
+            elif comes > 0:
                 state.u[c] = contacts[k].p[a]
                 state.w[c] = contacts[k].speed * contacts[k].along[a]
             elif comes == 0:

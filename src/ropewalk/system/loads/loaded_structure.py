@@ -20,6 +20,7 @@ from ropewalk.system.elements.cables import stretch_all
 from ropewalk.system.elements.structure import WORKS, Buffers, Structure, SystemState
 from ropewalk.system.loads.bodies import BodyArrays, ground
 from ropewalk.system.loads.carriages import Carriages
+from ropewalk.system.loads.pushes import pushes_at
 
 
 @lean
@@ -69,6 +70,7 @@ class LoadedStructure:
         self._light = np.zeros(count, dtype=np.bool_)
         self.weight, self.K = np.zeros(count), sparse.csc_matrix((count, count))
         self.pushed = np.zeros(count)  # N, by the wind
+        self._bodies = None if carried is None or not carried.bodies.pushed.size else carried.bodies
         if carried is not None:
             self.weight[: self.own] = carried.bodies.force
             self._light[: self.own] = as_moving & (carried.bodies.per_mass == 0.0)
@@ -94,7 +96,7 @@ class LoadedStructure:
     def moves(self) -> NDArray[np.bool_]:
         """Which coordinates may move: all but those on level ground."""
         out = np.ones(self.weight.size, dtype=np.bool_)
-        for contact in self.contacts[self.contacts["state"] != ON]:
+        for contact in self.contacts[(self.contacts["state"] != ON) & (self.contacts["clear"] == 0)]:
             out[contact["first"] + np.arange(self.rest.shape[0])] = False
         out[self.contacts["first"][self.contacts["moved"] == 1]] = False
         return out
@@ -191,7 +193,7 @@ class LoadedStructure:
 
     def energy(self, u: Array) -> float:
         """Potential energy of weights, given forces and springs, J."""
-        total = 0.5 * float(u @ (self.K @ u)) - float((self.weight + self.pushed) @ u)
+        total = 0.5 * float(u @ (self.K @ u)) - float((self.weight + self.pushed + self._pushes()) @ u)
         for k in self.on:
             total -= float(self._given(k) @ u[self._at(k)])
         for tether in self._tethers:
@@ -208,9 +210,16 @@ class LoadedStructure:
         contact, runs = self.contacts[k], self.structure.runs
         return np.asarray(contact["given"][: self.rest.shape[0]] + contact["hold"] * runs.ahead[contact["run"]])
 
+    def _pushes(self) -> Array | float:
+        """Forces that change in time, as they are then, N."""
+        if self._bodies is None:
+            return 0.0
+        found = pushes_at(self._bodies, float(self.state.t[0]))
+        return np.pad(found, (0, self.weight.size - found.size))
+
     def forces(self, u: Array) -> Array:
         """Forces on all coordinates, N, with those of the lines at their contacts, which are known."""
-        out = np.asarray(self.weight + self.pushed - self.K @ u)
+        out = np.asarray(self.weight + self.pushed + self._pushes() - self.K @ u)
         for k in self.on:
             at, dim = self._at(k), self.rest.shape[0]
             contact = self.contacts[k]

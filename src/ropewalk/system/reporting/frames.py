@@ -12,10 +12,11 @@ from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.loading import Loading
 from ropewalk.mechanics.multibody_system import FIRM
 from ropewalk.mechanics.notes import Notes, columns, numbers_of
+from ropewalk.mechanics.vehicle_matrices import MIDDLE
 from ropewalk.results.audit import Audit, energies
 from ropewalk.results.frame import IN_AIR, MOVES, STICKS, Contacts, Layout
 from ropewalk.results.frames import Frames, summed
-from ropewalk.system.assembling.assembled import Assembled
+from ropewalk.system.assembling.assembled import Assembled, on_of
 from ropewalk.system.contact.beyond_kinks import beyond_kinks
 from ropewalk.system.contact.contact_record import FORCE, ON, PRESCRIBED
 from ropewalk.system.elements.membrane_elements import tensions_of
@@ -206,7 +207,7 @@ class FrameBuilder:
     @property
     def _contact_lines(self) -> list[int]:
         """Numbers of the lines of all contacts."""
-        return [self.assembled.on[wheel.load] for wheel in self.loading.wheels]
+        return [on_of(self.assembled.on, wheel) for wheel in self.loading.wheels]
 
     @property
     def _body_lines(self) -> list[int]:
@@ -350,10 +351,16 @@ class FrameBuilder:
         places = at.u.shape[1] - (0 if multibody_system is None else multibody_system.bodies.coordinates.size)
         first = np.cumsum([0, *(dim for c in self.bodies.contact[:places:dim])])
         own = dict(zip(self.bodies.contact[:places:dim].tolist(), first[:-1].tolist(), strict=True))
+        on, every = at.contacts["state"] == ON, np.arange(count)
         for i, body in enumerate(displayed):
+            under = np.full(count, own[body.wheel])
+            for k in body.others:
+                under = np.where(on[:, k] & ~on[:, body.wheel], own[k], under)
             for a, coordinate in enumerate(body.coordinates):
-                at_ = places + coordinate if coordinate >= 0 else own[body.wheel] + a
-                out[0, :, i, a], out[1, :, i, a] = at.u[:, at_], at.w[:, at_]
+                if coordinate == MIDDLE:
+                    continue
+                at_ = np.full(count, places + coordinate) if coordinate >= 0 else under + a
+                out[0, :, i, a], out[1, :, i, a] = at.u[every, at_], at.w[every, at_]
             if body.coordinates[0] < 0:
                 out[0, :, i, 0] += body.ahead
         return out[0], out[1]

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ropewalk.mechanics.assembly import axes_of
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.loading import loading_of
 from ropewalk.model.run import Linear
@@ -32,19 +32,25 @@ from ropewalk.solve.superposition import (
 )
 from ropewalk.system.assembling.assembled import Assembled
 from ropewalk.system.assembling.assembly import contacts_of, refuse_beyond
+from ropewalk.system.contact.contact_record import BODY
 from ropewalk.system.elements.structure import WORKS, SystemState
 from ropewalk.system.elements.surfaces import tensions_about_rest
 from ropewalk.system.equilibrium.rest import about_rest, at_rest
 from ropewalk.system.equilibrium.statics import SystemPotential
 from ropewalk.system.equilibrium.structures import structure_of
 from ropewalk.system.loads.loaded_structure import Carried, LoadedStructure, load_springs, measure_from_ends
+from ropewalk.system.loads.pantographs import stand_below, with_pantographs
+from ropewalk.system.loads.pushes import pushes_at
 from ropewalk.system.reporting.doubts import doubt_slack, doubt_sticking, joined_beside
 from ropewalk.system.reporting.frames import FrameBuilder, SystemNote
 from ropewalk.system.small_motion.passing import Passing
 from ropewalk.system.small_motion.rest_state import RestState
+from ropewalk.system.small_motion.ties_about_rest import TiesAboutRest
 
 _STORED = ("kinetic", "elastic", "gravitational", "load_kinetic", "load_potential")
 _KNOWN = [ENERGY_FORMS.index(form) for form in _STORED]
+_DRAWN = 1e-2  # of the largest force of a pantograph: by so much it may draw the wire down as it begins
+_DRIFTS = 1e-3  # rad that what nothing holds would swing in the time of the run: a drift but for their square
 _LINKS = 0.5  # of a link, that contacts go in the longest step
 
 
@@ -63,20 +69,25 @@ class Superposed:
 
     def __init__(self, scenario: Scenario, run: Linear, times: Array, run_info: RunInfo) -> None:
         self._scenario, self._times, self._run_info = scenario, times, run_info
-        axes = axes_of(scenario)
-        assembled = structure_of(scenario, run.until, axes)
-        loading = loading_of(scenario, run.until, axes=axes)
+        assembled = structure_of(scenario, run.until)
+        loading = loading_of(scenario, run.until, axes=assembled.axes)
         structure, rest = at_rest(assembled.structure, loading.gravity, assembled.near, within=scenario.is_plane)
         self.rest, self._linear = rest, about_rest(structure, rest)
         self._assembled: Assembled = replace(assembled, structure=self._linear)
         contacts, self._tables, self._of = contacts_of(scenario, loading, structure, assembled.on)
+        self._places = len(assembled.axes) * int((contacts["kind"] == BODY).sum())
+        self._of = with_pantographs(self._of, scenario, self._places, run.until, assembled.sections)
+        self._below = contacts["lift"] < 0  # pantographs, which touch as long as nothing is asked
+        contacts["lift"] = 0
         refuse_beyond(scenario, loading, contacts, structure)
         run_info.warnings += joined_beside(scenario, assembled)
         measure_from_ends(contacts, structure, rest)
         contacts["margin"] = contacts["step"] = 0.0
+        self._least, self._most = np.zeros((2, contacts.size))  # N, of contact forces upwards
         self._still = RestState(structure, rest)
         K, M, C = self._still.equations
-        self.modes = ModalBasis.of(K, M, C, self._still.free, run.modes)
+        drifting = _DRIFTS / run.until if scenario.overhead_lines else 0.0  # between weights, along the line
+        self.modes = ModalBasis.of(K, M, C, self._still.free, run.modes, drifting)
         carried = Carried(contacts, self._tables, self._of)
         self._loaded = LoadedStructure(self._linear, rest, carried)
         size = float(np.ptp(rest, axis=1).max())
@@ -91,6 +102,9 @@ class Superposed:
             self._damping[self._linear.sheaves.about.node[:, 0]] = runs.damping[self._linear.sheaves.run]
         self._passing = Passing(self._linear, self._loaded, self._potential, self._tables, names)
         self._builder = FrameBuilder(self._assembled, loading, self._of, windy=False)
+        self._ties: TiesAboutRest | None = None
+        if structure.ties is not None and assembled.attached is not None:
+            self._ties = TiesAboutRest(structure.ties, rest, assembled.attached)
         doubt_slack(scenario, run_info, self.layout.link_line, self._potential.buffers.tension[self._builder.link])
         run_info.method = "modal superposition"
         run_info.audit = "the linear theory superposes modes and keeps no works"
@@ -115,6 +129,8 @@ class Superposed:
         run_info.reason = f"{count} of {among} modes of the structure at rest, and what is left at once with the forces"
         if count == among:
             run_info.reason = f"all {count} modes of the structure at rest"
+        if self._scenario.overhead_lines:
+            run_info.reason += "; droppers that are taut there stay taut, and heads of pantographs on the wire"
         if missed > 10.0 * TOLERANCE:
             run_info.doubt(
                 f"half the steps still change {missed:.2g} of the displacement or contact force",
@@ -126,6 +142,7 @@ class Superposed:
         for t, moment, on in zip(self._times, moments, [stretches[0].on, *(s.on for s in displayed)], strict=True):
             self._ask_contact(float(t), moment, lost)
             yield self._frame(float(t), moment, on)
+        self._doubt_contact()
 
     def _bodies(self) -> ModalBodies:
         own, loaded = self._loaded.own, self._loaded
@@ -133,7 +150,8 @@ class Superposed:
         first[first >= own] = -1
         K, C = loaded.K.toarray()[:own, :own], loaded.damping(loaded.state.u).toarray()[:own, :own]
         M = loaded.masses().toarray()[:own, :own]
-        return ModalBodies(M, C, K, loaded.weight[:own], first, self._of.load)
+        pushes = partial(pushes_at, self._of) if self._of.pushed.size else None
+        return ModalBodies(M, C, K, loaded.weight[:own], first, self._of.load, pushes)
 
     def _longest(self) -> float:
         """Length of a step in which contacts go part of a link, s."""
@@ -149,7 +167,7 @@ class Superposed:
 
     def _start(self, on: NDArray[np.bool_]) -> tuple[Array, Array]:
         """Bodies at rest on their springs, as they go along; contacts that are not on their lines on the ground."""
-        own, u = self._loaded.own, self._loaded.state.u.copy()
+        loaded, own, u = self._loaded, self._loaded.own, self._loaded.state.u.copy()
         w, touch = np.zeros(u.size), self._passing.at(0.0, on)
         first = self._loaded.contacts["first"]
         for i, k in enumerate(touch.contact):
@@ -159,12 +177,13 @@ class Superposed:
         for k in np.flatnonzero(~on & (first < own)):
             w[first[k] + np.arange(self.rest.shape[0])] = beside[k]
         load_springs(self._of, u, w)
+        stand_below(self._scenario, loaded.contacts, self._of, self._places, loaded.state._replace(u=u, w=w))
         return u[:own], w[:own]
 
     def _stretches(self) -> list[Stretch]:
         """The time of the run between instants of output, jumps of histories, and loads that come and go."""
         until, tables = float(self._times[-1]), self._tables
-        jumps = np.concatenate([tables.speed_time, tables.force_time])
+        jumps = np.concatenate([tables.speed_time, tables.force_time, self._of.push_time])
         events = [*self._times, *jumps[(jumps > 0.0) & (jumps < until)], *self._comings(until)]
         instants = np.unique(np.array(events))
         kept = np.concatenate([[True], np.diff(instants) > CLOSE * until])
@@ -200,12 +219,23 @@ class Superposed:
     def _ask_contact(self, t: float, moment: Moment, lost: set[int]) -> None:
         """Note once where a contact holds a wheel by pulling."""
         contacts, forces = self._loaded.contacts, moment.force[:, -1]
-        for k in np.flatnonzero((contacts["first"] < self._loaded.own) & (forces > 0.0)):
+        if moment.force.size:
+            upwards = np.nan_to_num(moment.force[:, -1])
+            self._least, self._most = np.minimum(self._least, upwards), np.maximum(self._most, upwards)
+        for k in np.flatnonzero((contacts["first"] < self._loaded.own) & (forces > 0.0) & ~self._below):
             if k not in lost:
                 lost.add(int(k))
                 name = self._builder.loading.wheels[int(k)].name
                 remedy = "kind: dynamic with lift_off: true lets it fly"
                 self._run_info.warnings.append(restrained_by_pulling(name, t, remedy))
+
+    def _doubt_contact(self) -> None:
+        """Doubt a run in which a pantograph has drawn the wire down by more than a little."""
+        for k in np.flatnonzero(self._below):
+            if -self._least[k] > _DRAWN * self._most[k]:
+                what = f"{self._builder.loading.wheels[int(k)].name} draws the wire down with {-self._least[k]:.3g} N"
+                cause = "it would have lost contact there: linear theory keeps it on the wire"
+                self._run_info.doubt(what, cause, "run.kind", "ask for kind: dynamic, geometry: linearised")
 
     def _frame(self, t: float, moment: Moment, on: NDArray[np.bool_]) -> Frame:
         loaded, potential, dim = self._loaded, self._potential, self.rest.shape[0]
@@ -246,7 +276,22 @@ class Superposed:
         frame = self._builder.build(note)[0]
         energy = np.full(len(ENERGY_FORMS), np.nan)
         energy[_KNOWN] = frame.energy[_KNOWN]
-        return replace(frame, energy=energy, cell_tension=self._cell_tensions(x))
+        return self._with_ties(replace(frame, energy=energy, cell_tension=self._cell_tensions(x)), t, x, v)
+
+    def _with_ties(self, frame: Frame, t: float, x: Array, v: Array) -> Frame:
+        """The same with forces of ties, and of supports that are ties, to the first order."""
+        if self._ties is None or (attached := self._assembled.attached) is None:
+            return frame
+        x = x.reshape(self.rest.shape)
+        self._ties.doubt(x, t, self._run_info)
+        force, pull = self._ties.forces(x, v)
+        reaction, begin = frame.reaction.copy(), len(self._assembled.supports)
+        for e in range(len(attached.support)):
+            reaction[begin + e] = pull[attached.holds == e].sum(axis=0)
+        if not attached.sampled:
+            return replace(frame, reaction=reaction)
+        own = force[: len(attached.tie)]
+        return replace(frame, reaction=reaction, tie_force=own, sampled_tie_force=own[None])
 
     def _viscous(self, velocity: Array, shape: Array) -> Array:
         """Tensions of axial dampers (node,), by the first node of each link, N: strains are linear in places."""
