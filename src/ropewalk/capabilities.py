@@ -15,7 +15,6 @@ from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.load import RUBBING, AnyLoad, ExternalModel, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.missing import missing
-from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
 from ropewalk.model.quantity import AUTO
 from ropewalk.model.run import HIGH_ORDER, Dynamic, Equilibrium, Linear
