@@ -50,9 +50,7 @@ _PATTERNS = {
     MISSING: {
         "loads on networks, nets and in wind: forces, masses, footsteps":
             rf"(loads\.[^.:]*\.kind|lines\.[^:]*): {_NOT} (joined|lines over sheaves|beams)",
-        "inextensible lines do not move linearised":
-            rf"run\.(window|geometry): (linearised geometry )?{_NOT} inextensible",
-        "nothing rubs on inextensible lines": rf"\.contact: {_NOT} inextensible",
+        "no window on inextensible lines": rf"run\.window: {_NOT} inextensible",
         "only clamped contacts in networks": rf"\.contact: {_NOT} (joined|nets|lines over sheaves)",
         "nothing goes to the side on nets": rf"\.(lateral|balance): {_NOT} nets",
         "lines with bending stiffness and networks do not whirl":
@@ -60,7 +58,6 @@ _PATTERNS = {
         "no implicit method over sheaves": rf"implicit with lines over sheaves {_NOT}",
         "overhead lines under such loads begin at rest": rf"run\.start\.kind: {_NOT} overhead",
         "overhead lines move explicitly": rf"run\.method: {_NOT} (beams|joined|overhead)",
-        "no driver and no brake on inextensible lines": rf"\.travel\.(driver|brake): {_NOT} inextensible",
         "friction of prescribed travel on ropes alone": rf"\.friction(_model)?: {_NOT}",
         "no linear theory of overhead lines": rf"run\.kind: {_NOT} overhead|\.kind: {_NOT} kind: linear",
         "no axial inertia over sheaves, nor in spectra at an instant": rf"axial_inertia: {_NOT}",

@@ -21,7 +21,7 @@ from ropewalk.system.contact.brakes import eddy, is_braked, pressed
 from ropewalk.system.contact.contact_record import AWAY, BODY, DRAGGED, FREE, GONE, NOT, ON, STANDS
 from ropewalk.system.contact.contacts import bend_one, goes_on, sit, slope_at_rest, stiffen, yields
 from ropewalk.system.contact.friction import friction_demand
-from ropewalk.system.contact.yielding import eased, has_hold, stiffness_along, stored_along, turned
+from ropewalk.system.contact.yielding import eased, firmness_along, has_hold, stiffness_along, stored_along, turned
 from ropewalk.system.elements.spline import WIDTH
 from ropewalk.system.elements.structure import RESTRAINED, STRUCK
 
@@ -72,7 +72,7 @@ def locate(structure, buffers, contacts, tables, state, table, out, since):
         speed = look_up(tables.speed_time, tables.speed_value, contacts[k].speed_first, contacts[k].speed_count, t)
         old, contacts[k].measured = state.s[k], speed
         if since > 0.0:
-            contacts[k].axial_before = contacts[k].axial
+            contacts[k].axial_before, contacts[k].slips = contacts[k].axial, 0
         if contacts[k].apart == 1 and was == ON:
             s = _below(structure, contacts, state, k, old)
             if since > 0.0:
@@ -115,6 +115,9 @@ def locate(structure, buffers, contacts, tables, state, table, out, since):
                 contacts[k].hold = contacts[k].evened = 0.0
             elif since > 0.0:
                 _even_out(structure, buffers, contacts, state, table, out, k, since)
+        if contacts[k].slips == 1 and since > 0.0:
+            stiffen(structure, buffers, contacts, state, table, out, k)
+            contacts[k].hauls = firmness_along(contacts, k) * contacts[k].axial + eased(contacts, k)
         if contacts[k].travel == FREE or contacts[k].restrained == 1:
             square = 0.0
             for a in range(state.r.shape[0]):
@@ -155,6 +158,7 @@ def _even_out(structure, buffers, contacts, state, table, out, k, since):
             state.u[first + a] += step * level[a]
         if abs(step) <= CLOSE * h:
             break
+    contacts[k].slips = 1 if contacts[k].easing > 0.0 and sign != 0.0 else 0
     change = gone / since
     for a in range(axes):
         state.w[first + a] += change * level[a]
@@ -477,4 +481,5 @@ def _slide(structure, buffers, contacts, state, table, out, k, speed, since):
         push, R, stretch, damper = _resistance(structure, buffers, contacts, state, table, out, k, s, since)
         miss = push - P * stretch + sign * R * stretch + viscous * stretch**2 * (s - old) / since
         miss += stretch * eddy(contacts, k, s, stretch * (s - old) / since)[0]
+    contacts[k].slips = 1 if contacts[k].easing > 0.0 else 0
     return s
