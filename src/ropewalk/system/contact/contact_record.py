@@ -91,7 +91,7 @@ CONTACT = np.dtype(
         ("axial_before", _REAL),  # m, e a step before
         ("axial_booked", _REAL),  # m, e when it was last looked at
         ("eased", _REAL),  # N, what damped it then
-        ("slips", _CODE),  # 1: friction and drives have found its force along its line: `hauls`, N
+        ("slips", _REAL),  # part of its force along its line that friction and drives have found: of `hauls`, N
         ("hauls", _REAL),
         ("lent", _REAL),  # kg, of what has no mass on an inextensible line, which lends it; 0: it has its own
         ("given", *_VECTOR),  # N, given force

@@ -407,8 +407,8 @@ def add_contact_forces(structure, buffers, contacts, state, table, out):
             soften(structure, contacts, table, out, k, structure.runs.h[run] * pull, 0)
         push = turned(contacts, k, axes)
         hauls = firmness_along(contacts, k) * contacts[k].axial + eased(contacts, k)
-        if contacts[k].slips == 1:  # lengths were brought back since, by which e has jumped to and fro
-            hauls = contacts[k].hauls
+        if contacts[k].slips > 0.0:  # lengths were brought back since, by which e has jumped to and fro
+            hauls += contacts[k].slips * (contacts[k].hauls - hauls)
         for j in range(3):
             push += contacts[k].change[j] * buffers.pull[contacts[k].link[j]] * contacts[k].kink / structure.runs.h[run]
         moment = (hauls - contacts[k].moving * contacts[k].axial) / (contacts[k].spread * structure.runs.h[run])

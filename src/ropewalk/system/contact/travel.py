@@ -72,7 +72,7 @@ def locate(structure, buffers, contacts, tables, state, table, out, since):
         speed = look_up(tables.speed_time, tables.speed_value, contacts[k].speed_first, contacts[k].speed_count, t)
         old, contacts[k].measured = state.s[k], speed
         if since > 0.0:
-            contacts[k].axial_before, contacts[k].slips = contacts[k].axial, 0
+            contacts[k].axial_before, contacts[k].slips = contacts[k].axial, 0.0
         if contacts[k].apart == 1 and was == ON:
             s = _below(structure, contacts, state, k, old)
             if since > 0.0:
@@ -115,7 +115,7 @@ def locate(structure, buffers, contacts, tables, state, table, out, since):
                 contacts[k].hold = contacts[k].evened = 0.0
             elif since > 0.0:
                 _even_out(structure, buffers, contacts, state, table, out, k, since)
-        if contacts[k].slips == 1 and since > 0.0:
+        if contacts[k].slips > 0.0 and since > 0.0:
             stiffen(structure, buffers, contacts, state, table, out, k)
             contacts[k].hauls = firmness_along(contacts, k) * contacts[k].axial + eased(contacts, k)
         if contacts[k].travel == FREE or contacts[k].restrained == 1:
@@ -158,7 +158,7 @@ def _even_out(structure, buffers, contacts, state, table, out, k, since):
             state.u[first + a] += step * level[a]
         if abs(step) <= CLOSE * h:
             break
-    contacts[k].slips = 1 if contacts[k].easing > 0.0 and sign != 0.0 else 0
+    contacts[k].slips = 1.0 if contacts[k].easing > 0.0 and sign != 0.0 else 0.0
     change = gone / since
     for a in range(axes):
         state.w[first + a] += change * level[a]
@@ -481,5 +481,7 @@ def _slide(structure, buffers, contacts, state, table, out, k, speed, since):
         push, R, stretch, damper = _resistance(structure, buffers, contacts, state, table, out, k, s, since)
         miss = push - P * stretch + sign * R * stretch + viscous * stretch**2 * (s - old) / since
         miss += stretch * eddy(contacts, k, s, stretch * (s - old) / since)[0]
-    contacts[k].slips = 1 if contacts[k].easing > 0.0 else 0
+    if contacts[k].easing > 0.0:  # drag holds it by so much for the time of a step
+        grows = (viscous + eddy(contacts, k, s, stretch * (s - old) / since)[1]) / since
+        contacts[k].slips = 1.0 - grows / (grows + stiffness_along(contacts, k) + contacts[k].easing)
     return s
