@@ -1,8 +1,8 @@
 """What slides on inextensible lines: with drag, drivers and brakes, on straight ropes and on slack ones.
 
 A bead on a straight rope that does not stretch is a particle: with drag it comes to its terminal speed exponentially,
-with a brake it stops after v^2/2a, and what slows it down pulls at the upper end of the rope. Equilibria with friction are the reference of
-given forces that rub.
+with a brake it stops after v^2/2a, and what slows it down pulls at the upper end of the rope. Equilibria with friction
+are the reference of given forces that rub.
 """
 
 from __future__ import annotations
