@@ -52,11 +52,8 @@ _PATTERNS = {
             r"goes over from one contact wire to the next, and leaves",
     },
     MISSING: {
-        "inextensible lines do not move linearised":
-            rf"run\.(window|geometry): (linearised geometry )?{_NOT} inextensible",
-        "nothing rubs on inextensible lines": rf"\.contact: {_NOT} inextensible",
+        "no window on inextensible lines": rf"run\.window: {_NOT} inextensible",
         "no implicit method over sheaves": rf"implicit with lines over sheaves {_NOT}",
-        "no driver and no brake on inextensible lines": rf"\.travel\.(driver|brake): {_NOT} inextensible",
         "no axial inertia over sheaves, nor in spectra at an instant": rf"axial_inertia: {_NOT}",
         "the sixth order needs forces that do not jump": rf"rkn6 with .* {_NOT}",
         "the implicit method needs forces that do not jump": rf"implicit with .* {_NOT}",

@@ -195,10 +195,3 @@ def test_steps_are_as_long_as_transverse_waves_ask_for() -> None:
 def test_they_do_not_resist_bending(key: str, value: float) -> None:
     with pytest.raises(ScenarioError, match=r"law.kind: is not implemented for beams"):
         read(json.dumps(rope(**{key: value})), "rope.json")
-
-
-def test_small_motion_of_them_is_refused() -> None:
-    scenario = rope()
-    scenario["run"]["geometry"] = "linearised"
-    with pytest.raises(ScenarioError, match=r"geometry is not implemented for inextensible lines"):
-        read(json.dumps(scenario), "rope.json")

@@ -15,7 +15,7 @@ from ropewalk.model.history import rows
 from ropewalk.model.joint import Joined
 from ropewalk.model.law import Inextensible
 from ropewalk.model.line import Line
-from ropewalk.model.load import RUBBING, ExternalModel, MovingForce
+from ropewalk.model.load import ExternalModel, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.missing import missing
@@ -237,23 +237,12 @@ def _inextensible(parts: Parts) -> Iterator[Finding]:
         yield Finding(("run", "axial_inertia"), wrong, f"{run.axial_inertia:g}", "leave it out")
     yield from _all_of_it(run, what, inertia=alone)
     for name, load in parts.loads.items():
-        if getattr(load, "contact", None) in RUBBING:
-            remedy = "write clamped or frictionless, or give an axial_stiffness with law hooke"
-            yield missing(("loads", name, "contact"), what, str(getattr(load, "contact", "")), remedy)
         travel = getattr(load, "travel", None)
         if not isinstance(travel, FreeTravel):
             continue
         if run.start.with_loads:
             feature, remedy = "a load that travels freely from rest on them", "leave with_loads out"
             yield missing(("loads", name, "travel", "kind"), what, "free", remedy, feature=feature)
-        for key in ("driver", "brake"):
-            if getattr(travel, key) is not None:
-                remedy = f"leave {key} out, or give an axial_stiffness with law hooke"
-                yield missing(("loads", name, "travel", key), what, "a block", remedy)
-    if run.geometry == "linearised":
-        feature = "linearised geometry"
-        remedy = "write geometry: nonlinear, or kind: linear, which is small motion by its modes"
-        yield missing(("run", "geometry"), what, "linearised", remedy, feature=feature)
 
 
 def _joined_between_nodes(parts: Parts) -> Iterator[Finding]:

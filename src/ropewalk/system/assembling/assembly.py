@@ -29,10 +29,9 @@ from ropewalk.system.assembling.laid import Laid
 from ropewalk.system.assembling.restraints import restraints_of
 from ropewalk.system.assembling.sections import sections_of, sheaves_of
 from ropewalk.system.assembling.surface_paths import Nets
-from ropewalk.system.contact import friction
-from ropewalk.system.contact.contact_record import BODY, CONTACT, FORCE, FREE
+from ropewalk.system.contact import contact_record
+from ropewalk.system.contact.contact_record import BODY, CONTACT, FORCE, FREE, NOT, STANDS
 from ropewalk.system.contact.feet import is_led, steps_by_table, with_steps
-from ropewalk.system.contact.friction import NOT, STANDS
 from ropewalk.system.contact.tables import Tables
 from ropewalk.system.elements.hysteresis import packed_of
 from ropewalk.system.elements.profile import Profiles
@@ -254,7 +253,7 @@ def contacts_of(
     contacts["lift"], contacts["clear"] = [wheel.lift for wheel in wheels], [not wheel.ground for wheel in wheels]
     contacts["measure"], contacts["frictionless"] = loads.measure, loads.contact == FRICTIONLESS
     contacts["rubs"] = np.where(
-        loads.contact == COULOMB, STANDS, np.where(loads.contact == DRAGGED, friction.DRAGGED, NOT)
+        loads.contact == COULOMB, STANDS, np.where(loads.contact == DRAGGED, contact_record.DRAGGED, NOT)
     )
     contacts["friction"] = np.nan_to_num(loads.friction)  # of prescribed travel it is asked whether it is enough
     contacts["block"] = loads.friction_model == BLOCK
@@ -446,4 +445,6 @@ def _bodies(
 def _lent(structure: Structure, contacts: Any) -> Array:
     """Mass (contact,) in kg that inextensible lines lend to what touches them without one."""
     runs, first = structure.runs, structure.lines.first[contacts["line"]]
+    if structure.is_linearised:  # there their kinks lengthen no links
+        return np.zeros(contacts.size)
     return np.where(runs.law[first, 0] == law.RIGID, _LENT * runs.rho[first] * runs.h[first], 0.0)

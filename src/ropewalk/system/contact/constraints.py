@@ -16,7 +16,7 @@ gradients of phi at the places of the kick:
 
 by Newton's method with the matrix of the kick, whose equations conjugate gradients solve; the band that links of a run
 make among themselves is factored and preconditions them, so that one round does for a line alone. Joints, bodies and
-contacts take some more.
+contacts take some more. Linearised about rest, phi is its first-order change there, to which kinks add nothing.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ from ropewalk.mechanics.compiled import lean_inner
 from ropewalk.mechanics.moving_contact import look_up
 from ropewalk.system.contact.contact_record import ON
 from ropewalk.system.contact.contacts import sit, soften
+from ropewalk.system.contact.yielding import bent, bent_by_body, bent_by_turning, divide, keeps_length
 from ropewalk.system.elements.cables import stretch_all
 from ropewalk.system.elements.compliance import ARC, SHORT_ARC
 from ropewalk.system.elements.spline import WIDTH
@@ -134,19 +135,25 @@ def _miss(tight, structure, buffers, contacts, state, table, out):
     """phi of all links at the places of now, to `tight.miss`; returns the largest one over h^2/2."""
     r, worst = state.r, 0.0
     stretch_all(structure, buffers, r)
+    links, is_little = structure.about.links, structure.about.links.size > 0
     for i in range(tight.x.size):
-        tight.miss[i] = 0.5 * (buffers.length[i] ** 2 - tight.h[i] ** 2) if tight.h[i] > 0.0 else 0.0
+        if tight.h[i] == 0.0:
+            tight.miss[i] = 0.0
+        elif is_little:
+            tight.miss[i] = links[i].length * tight.h[i] * (buffers.strain[i] - links[i].strain)
+        else:
+            tight.miss[i] = 0.5 * (buffers.length[i] ** 2 - tight.h[i] ** 2)
     for k in range(contacts.size):
-        if contacts[k].state == ON and structure.runs.law[contacts[k].run, 0] == law.RIGID:
-            square = 0.0
+        if keeps_length(structure, contacts, k):
             sit(structure, contacts, state, k, state.s[k])
             soften(structure, contacts, table, out, k, 0.0, 0)
             for a in range(r.shape[0]):
                 way = state.u[contacts[k].first + a] - contacts[k].p[a]
                 contacts[k].d[a] = way if contacts[k].apart == 0 else 0.0
-                square += contacts[k].d[a] ** 2
-            contacts[k].kink = 0.5 * square * structure.runs.h[contacts[k].run] * contacts[k].by_tension
-        if contacts[k].state == ON or contacts[k].kink > 0.0:
+            divide(contacts, k, r.shape[0])
+            square, h = bent(contacts, k, r.shape[0]), structure.runs.h[contacts[k].run]
+            contacts[k].kink = 0.5 * square * h * contacts[k].by_tension
+        if (contacts[k].state == ON or contacts[k].kink > 0.0) and not is_little:
             for j in range(3):
                 if tight.h[contacts[k].link[j]] > 0.0:
                     tight.miss[contacts[k].link[j]] += contacts[k].part[j] * contacts[k].kink
@@ -159,15 +166,20 @@ def _miss(tight, structure, buffers, contacts, state, table, out):
 
 @lean_inner
 def _take_gradients(tight, structure, buffers, r):
-    """Change of phi with the four nodes about each link, to `tight.g`; second differences are known."""
-    runs, g = structure.runs, tight.g
+    """Change of phi with the four nodes about each link, of what is linearised at rest, to `tight.g`.
+
+    Second differences are known.
+    """
+    runs, g, bent = structure.runs, tight.g, buffers.bent
+    if structure.about.links.size > 0:
+        r, bent = structure.about.shape[0], structure.about.shape[1]
     for s in range(runs.first.size):
         if runs.law[s, 0] != law.RIGID:
             continue
         begin, last = runs.first[s], runs.first[s] + runs.links[s]
         for a in range(r.shape[0]):
             for i in range(begin, last):
-                d, e = buffers.bent[a, i], buffers.bent[a, i + 1]
+                d, e = bent[a, i], bent[a, i + 1]
                 one = 2.0 * (ARC * d - SHORT_ARC * (e - d)) if i > begin else 0.0
                 two = 2.0 * (ARC * e + SHORT_ARC * (e - d)) if i + 1 < last else 0.0
                 chord = r[a, i + 1] - r[a, i]
@@ -190,15 +202,17 @@ def _push(tight, structure, contacts, bodies, state, x):
     for c in range(bodies.f.size):
         bodies.f[c] = bodies.old[c] = 0.0
     for k in range(contacts.size):
-        if contacts[k].state == ON and structure.runs.law[contacts[k].run, 0] == law.RIGID:
+        if keeps_length(structure, contacts, k):
             pull = 0.0
             for j in range(3):
                 pull += contacts[k].part[j] * x[contacts[k].link[j]]
-            pull *= structure.runs.h[contacts[k].run] * contacts[k].by_tension
+            h = structure.runs.h[contacts[k].run]
+            pull *= h * contacts[k].by_tension
             for a in range(axes):
-                bodies.f[contacts[k].first + a] -= pull * contacts[k].d[a]
+                d, turns = bent_by_body(contacts, k, a), bent_by_turning(contacts, k, a) / h
+                bodies.f[contacts[k].first + a] -= pull * d
                 for j in range(min(WIDTH, structure.runs.links[contacts[k].run] + 1)):
-                    move[a, contacts[k].near + j] += contacts[k].weight[j] * pull * contacts[k].d[a]
+                    move[a, contacts[k].near + j] += pull * (contacts[k].weight[j] * d - contacts[k].slope[j] * turns)
     for e in range(restrained.mass.size):
         for a in range(axes):
             tight.whole[e, a] = 0.0
@@ -234,15 +248,16 @@ def _apply(tight, structure, contacts, bodies, state, x, y, dt):
                     if g[a, m, i] != 0.0:
                         y[i] -= dt * g[a, m, i] * tight.move[a, i - 1 + m]
     for k in range(contacts.size):
-        if contacts[k].state != ON or structure.runs.law[contacts[k].run, 0] != law.RIGID:
+        if not keeps_length(structure, contacts, k):
             continue
-        longer = 0.0
+        longer, h = 0.0, structure.runs.h[contacts[k].run]
         for a in range(axes):
-            way = bodies.old[contacts[k].first + a]
+            way, turn = bodies.old[contacts[k].first + a], 0.0
             for j in range(min(WIDTH, structure.runs.links[contacts[k].run] + 1)):
                 way -= contacts[k].weight[j] * tight.move[a, contacts[k].near + j]
-            longer += dt * contacts[k].d[a] * way
-        longer *= structure.runs.h[contacts[k].run] * contacts[k].by_tension
+                turn += contacts[k].slope[j] * tight.move[a, contacts[k].near + j]
+            longer += dt * (bent_by_body(contacts, k, a) * way + bent_by_turning(contacts, k, a) * turn / h)
+        longer *= h * contacts[k].by_tension
         for j in range(3):
             if tight.h[contacts[k].link[j]] > 0.0:
                 y[contacts[k].link[j]] -= contacts[k].part[j] * longer
@@ -261,11 +276,11 @@ def _factor(tight, structure, contacts, bodies, dt):
                         if g[a, m, i] != 0.0:
                             B[k, i] += dt * mobile[i - 1 + m] * g[a, m, i] * g[a, m - k, i + k]
     for k in range(contacts.size):
-        if contacts[k].state != ON or structure.runs.law[contacts[k].run, 0] != law.RIGID:
+        if not keeps_length(structure, contacts, k):
             continue
         square, h = 0.0, structure.runs.h[contacts[k].run]
         for a in range(g.shape[0]):
-            square += contacts[k].d[a] ** 2 * bodies.per_mass[contacts[k].first + a]
+            square += bent_by_body(contacts, k, a) ** 2 * bodies.per_mass[contacts[k].first + a]
         gain = dt * square * (h * contacts[k].by_tension) ** 2
         for i in range(3):
             for j in range(3):

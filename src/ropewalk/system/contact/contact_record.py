@@ -9,6 +9,7 @@ from ropewalk.system.elements.spline import WIDTH
 FORCE, BODY = 0, 1  # what touches: a given force, or coordinates that move
 AWAY, ON, GONE = 0, 1, 2  # not on its line, on it, off it with all of its load, for good
 PRESCRIBED, FREE = 0, 1  # how it advances along its line
+NOT, STANDS, DRAGGED = 0, 1, 2  # how a given force rubs: not at all, as far as it needs to, or in full
 
 _REAL, _CODE, _VECTOR = "f8", "i8", ("f8", (3,))
 CONTACT = np.dtype(
@@ -87,6 +88,12 @@ CONTACT = np.dtype(
         ("d", *_VECTOR),  # m, of the kink
         ("axial", _REAL),  # m, e: by which what touches is ahead along the line
         ("axial_stiffness", _REAL),  # N/m, S_a; 0: d has all directions
+        ("easing", _REAL),  # N/m, by which e is damped where only steps let it be: over the step, N s/m
+        ("axial_before", _REAL),  # m, e a step before
+        ("axial_booked", _REAL),  # m, e when it was last looked at
+        ("eased", _REAL),  # N, what damped it then
+        ("slips", _REAL),  # part of its force along its line that friction and drives have found: of `hauls`, N
+        ("hauls", _REAL),
         ("lent", _REAL),  # kg, of what has no mass on an inextensible line, which lends it; 0: it has its own
         ("given", *_VECTOR),  # N, given force
         ("hauled", *_VECTOR),  # N, what a hauling rope adds to it

@@ -31,6 +31,7 @@ from ropewalk.system.contact.yielding import (
     bent,
     crushed,
     divide,
+    eased,
     firmness_along,
     give_way,
     turned,
@@ -90,6 +91,7 @@ def sit(structure, contacts, state, k, s):
         contacts[k].rough, contacts[k].steep = height_at(lines.profiles, line, s)
     has_body = contacts[k].kind == BODY
     contacts[k].axial_stiffness = axial_stiffness(structure, contacts, k, has_body)
+    contacts[k].easing = contacts[k].axial_stiffness if structure.runs.law[run, 0] == law.RIGID else 0.0
     locate_point(structure, contacts, k, r, has_body)
 
 
@@ -120,7 +122,8 @@ def soften(structure, contacts, table, out, k, T, again):
     if structure.runs.law[run, 0] != law.RIGID:
         return _soften(structure, contacts, table, out, k, T, again)
     h, U = structure.runs.h[run], contacts[k].speed
-    compliance(contacts[k].x, structure.runs.links[run], 0.0, table, out)
+    if again == 0:
+        compliance(contacts[k].x, structure.runs.links[run], 0.0, table, out)
     kappa = max(out[0], LEAST)
     slope = 1.0 / (h * kappa)
     contacts[k].by_tension, contacts[k].firm, contacts[k].curve = slope, 0.0, 0.0
@@ -402,7 +405,10 @@ def add_contact_forces(structure, buffers, contacts, state, table, out):
             _stiffen_little(structure, buffers, contacts, table, out, k)
         elif contacts[k].kind == BODY:
             soften(structure, contacts, table, out, k, structure.runs.h[run] * pull, 0)
-        push, hauls = turned(contacts, k, axes), firmness_along(contacts, k) * contacts[k].axial
+        push = turned(contacts, k, axes)
+        hauls = firmness_along(contacts, k) * contacts[k].axial + eased(contacts, k)
+        if contacts[k].slips > 0.0:  # lengths were brought back since, by which e has jumped to and fro
+            hauls += contacts[k].slips * (contacts[k].hauls - hauls)
         for j in range(3):
             push += contacts[k].change[j] * buffers.pull[contacts[k].link[j]] * contacts[k].kink / structure.runs.h[run]
         moment = (hauls - contacts[k].moving * contacts[k].axial) / (contacts[k].spread * structure.runs.h[run])

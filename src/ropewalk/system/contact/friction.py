@@ -16,12 +16,10 @@ import numpy as np
 
 from ropewalk.mechanics import law
 from ropewalk.mechanics.compiled import lean_inner
+from ropewalk.system.contact.contact_record import DRAGGED, STANDS
 from ropewalk.system.contact.contacts import find_kink, slope_at_rest
 from ropewalk.system.contact.yielding import across, give_way, turned
 from ropewalk.system.elements.segments import bending_near
-
-# How a contact rubs: not at all, as far as it needs to, or in full.
-NOT, STANDS, DRAGGED = 0, 1, 2
 
 # Rounds in which a hold force is found, and the part of the force on the line to which it is: as kinks are.
 ROUNDS, FOUND = 50, 1e-8

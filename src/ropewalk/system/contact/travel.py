@@ -17,10 +17,11 @@ from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import ARC, HORIZONTAL, MATERIAL, SLIP
 from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.mechanics.moving_contact import look_up, look_up_integral
-from ropewalk.system.contact.contact_record import AWAY, BODY, FREE, GONE, ON
+from ropewalk.system.contact.brakes import eddy, is_braked, pressed
+from ropewalk.system.contact.contact_record import AWAY, BODY, DRAGGED, FREE, GONE, NOT, ON, STANDS
 from ropewalk.system.contact.contacts import bend_one, goes_on, sit, slope_at_rest, stiffen, yields
 from ropewalk.system.contact.friction import friction_demand
-from ropewalk.system.contact.yielding import stiffness_along, stored_along, turned
+from ropewalk.system.contact.yielding import eased, firmness_along, has_hold, stiffness_along, stored_along, turned
 from ropewalk.system.elements.spline import WIDTH
 from ropewalk.system.elements.structure import RESTRAINED, STRUCK
 
@@ -70,6 +71,8 @@ def locate(structure, buffers, contacts, tables, state, table, out, since):
             )
         speed = look_up(tables.speed_time, tables.speed_value, contacts[k].speed_first, contacts[k].speed_count, t)
         old, contacts[k].measured = state.s[k], speed
+        if since > 0.0:
+            contacts[k].axial_before, contacts[k].slips = contacts[k].axial, 0.0
         flies = contacts[k].apart == 1 and was == ON
         if flies:
             contacts[k].flown += since
@@ -110,11 +113,14 @@ def locate(structure, buffers, contacts, tables, state, table, out, since):
         if was == AWAY:
             contacts[k].comes = 1
         sit(structure, contacts, state, k, s)
-        if contacts[k].kind == BODY and contacts[k].frictionless == 1:
+        if contacts[k].kind == BODY and has_hold(contacts, k):
             if contacts[k].apart == 1 or was != ON:
                 contacts[k].hold = contacts[k].evened = 0.0
             elif since > 0.0:
                 _even_out(structure, buffers, contacts, state, table, out, k, since)
+        if contacts[k].slips > 0.0 and since > 0.0:
+            stiffen(structure, buffers, contacts, state, table, out, k)
+            contacts[k].hauls = firmness_along(contacts, k) * contacts[k].axial + eased(contacts, k)
         if contacts[k].travel == FREE or contacts[k].restrained == 1:
             square = 0.0
             for a in range(state.r.shape[0]):
@@ -125,32 +131,49 @@ def locate(structure, buffers, contacts, tables, state, table, out, since):
 
 @lean_inner
 def _even_out(structure, buffers, contacts, state, table, out, k, since):
-    """Put the body of contact k, which has no friction, where it takes nothing to move the contact along its line.
+    """Put the body of contact k where it takes no more to move the contact along its line than it rubs.
 
-    It moves level, as the force does that holds it, which is noted.
+    It moves level, as the force does that holds it, which is noted. One that stands lets go of that where friction
+    bears what is left.
     """
     axes, first, s, gone, rate = state.r.shape[0], contacts[k].first, state.s[k], 0.0, 0.0
     h, level = structure.runs.h[contacts[k].run], structure.runs.ahead[contacts[k].run]
-    slack = _least_stiffness(structure, contacts, k)
+    slack, sign = _least_stiffness(structure, contacts, k), 0.0
+    if contacts[k].rubs == DRAGGED:
+        sign = -1.0 if contacts[k].measured >= 0.0 else 1.0
+    if contacts[k].rubs == STANDS:
+        gone = -contacts[k].hold * contacts[k].light * since * since
+        for a in range(axes):
+            state.u[first + a] += gone * level[a]
     for _ in range(ROUNDS):
-        push = _resistance(structure, buffers, contacts, state, table, out, k, s, since)[0]
+        push, R, stretch, _ = _resistance(structure, buffers, contacts, state, table, out, k, s, since)
+        if contacts[k].rubs == STANDS and sign == 0.0:
+            if abs(push) <= R * stretch:
+                break
+            sign = 1.0 if push > 0.0 else -1.0
+        push -= sign * R * stretch
         slope = 0.0
         for a in range(axes):
-            slope += (stiffness_along(contacts, k) + slack) * contacts[k].along[a] * level[a]
+            slope += (stiffness_along(contacts, k) + contacts[k].easing + slack) * contacts[k].along[a] * level[a]
         step = min(max(push / slope, -FAR * h), FAR * h) if slope != 0.0 else 0.0
         gone += step
         for a in range(axes):
             state.u[first + a] += step * level[a]
         if abs(step) <= CLOSE * h:
             break
+    contacts[k].slips = 1.0 if contacts[k].easing > 0.0 and sign != 0.0 else 0.0
     change = gone / since
     for a in range(axes):
         state.w[first + a] += change * level[a]
         rate += state.w[first + a] * level[a]
     state.work[RESTRAINED] += change / contacts[k].light * (rate - 0.5 * change)
+    found = change / (contacts[k].light * since)
+    if contacts[k].rubs != NOT:  # the next step begins with it
+        contacts[k].hold += found
+        return
     # Of the passage of some knots of the table: at each the body is moved by microns, and stopped a step later.
     part = min(KNOTS * abs(contacts[k].speed) * since / h, 1.0) if contacts[k].speed != 0.0 else 1.0
-    contacts[k].evened += part * (change / (contacts[k].light * since) - contacts[k].evened)
+    contacts[k].evened += part * (found - contacts[k].evened)
 
 
 @inlined
@@ -395,9 +418,11 @@ def _resistance(structure, buffers, contacts, state, table, out, k, s, since):
             damper += c * lengthens**2 / contacts[k].h[j]
     slack, axes = _least_stiffness(structure, contacts, k), state.r.shape[0]
     push += turned(contacts, k, axes)
+    damped = eased(contacts, k)
     for a in range(axes):
         ahead = contacts[k].axial * contacts[k].tangent[a]
         N = contacts[k].moving * contacts[k].d[a] + contacts[k].axial_stiffness * ahead
+        N += damped * contacts[k].tangent[a]
         push -= (N + slack * (contacts[k].d[a] + ahead)) * contacts[k].along[a]
         tangent += contacts[k].along[a] ** 2
         along += N * contacts[k].along[a]
@@ -415,34 +440,6 @@ def _resistance(structure, buffers, contacts, state, table, out, k, s, since):
     return push, R, stretch, damper
 
 
-@inlined
-def is_braked(contacts, k, s):
-    """Whether the brake of contact k acts at s."""
-    return s < contacts[k].brake_low or s > contacts[k].brake_high
-
-
-@inlined
-def pressed(contacts, k, s):
-    """By how much contact k at s presses the spring of its brake, m; negative at the start of its line."""
-    return max(s - contacts[k].brake_high, 0.0) + min(s - contacts[k].brake_low, 0.0)
-
-
-@inlined
-def pressed_energy(contacts, k, s):
-    """Energy of the spring of the brake of contact k at s, J."""
-    spring, way = contacts[k].spring, 0.0
-    if spring > 0.0:
-        way = pressed(contacts, k, s)
-    return 0.5 * spring * way * way
-
-
-@inlined
-def _eddy(contacts, k, s, speed):
-    """Force of a brake that grows with speed, against it, N, and what it grows by, N s/m."""
-    rate = contacts[k].braking if is_braked(contacts, k, s) else 0.0
-    return (rate * speed, rate) if rate * abs(speed) <= contacts[k].brake else (np.sign(speed) * contacts[k].brake, 0.0)
-
-
 @lean_inner
 def _slide(structure, buffers, contacts, state, table, out, k, speed, since):
     """Find the place s of contact k, which travels freely, after a time; notes its speed and its drive.
@@ -458,7 +455,7 @@ def _slide(structure, buffers, contacts, state, table, out, k, speed, since):
         wanted = min(max(old + since * speed / stretch, 0.0), length)
         needed, own, there, _ = _resistance(structure, buffers, contacts, state, table, out, k, wanted, since)
         U = (wanted - old) / since
-        needed = needed / there + own * np.sign(U) + viscous * there * U + _eddy(contacts, k, wanted, there * U)[0]
+        needed = needed / there + own * np.sign(U) + viscous * there * U + eddy(contacts, k, wanted, there * U)[0]
         if abs(needed - P) <= driver:
             contacts[k].drive = needed
             return wanted
@@ -475,8 +472,8 @@ def _slide(structure, buffers, contacts, state, table, out, k, speed, since):
             high = min(high, s)
         else:
             low = max(low, s)
-        growing = viscous + _eddy(contacts, k, s, stretch * (s - old) / since)[1]
-        slope = stiffness_along(contacts, k) * stretch**2 + growing * stretch**2 / since + damper
+        growing = viscous + eddy(contacts, k, s, stretch * (s - old) / since)[1]
+        slope = (stiffness_along(contacts, k) + contacts[k].easing) * stretch**2 + growing * stretch**2 / since + damper
         slope += _least_stiffness(structure, contacts, k) + contacts[k].spring
         new = min(max(s - miss / slope, s - FAR * h), s + FAR * h)
         if not low <= new <= high:
@@ -486,5 +483,8 @@ def _slide(structure, buffers, contacts, state, table, out, k, speed, since):
             break
         push, R, stretch, damper = _resistance(structure, buffers, contacts, state, table, out, k, s, since)
         miss = push - P * stretch + sign * R * stretch + viscous * stretch**2 * (s - old) / since
-        miss += stretch * _eddy(contacts, k, s, stretch * (s - old) / since)[0]
+        miss += stretch * eddy(contacts, k, s, stretch * (s - old) / since)[0]
+    if contacts[k].easing > 0.0:  # drag holds it by so much for the time of a step
+        grows = (viscous + eddy(contacts, k, s, stretch * (s - old) / since)[1]) / since
+        contacts[k].slips = 1.0 - grows / (grows + stiffness_along(contacts, k) + contacts[k].easing)
     return s

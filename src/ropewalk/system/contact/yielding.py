@@ -9,6 +9,7 @@ import numpy as np
 
 from ropewalk.mechanics import law
 from ropewalk.mechanics.compiled import inlined, kernel, lean_inner
+from ropewalk.system.contact.contact_record import FREE, NOT, ON
 
 # By how much a line gives way along itself under a contact, over h/EA, and the strain at which EA is taken. About that
 # of straight links, without their arcs.
@@ -25,18 +26,35 @@ def stiffness_at_rest(p, lag):
 def axial_stiffness(structure, contacts, k, has_body):
     """Stiffness of contact k along its line, the same all along a run; 0: it has none by itself.
 
-    What gives way within a step bounds it, twice as much as S: both act on the same nodes.
+    What gives way within a step bounds it, twice as much as S: both act on the same nodes. A line that does not stretch
+    gives way by that alone to what travels freely or rubs: if e lengthened its links as d does, what is held back there
+    would jerk all of it.
     """
     runs, run = structure.runs, contacts[k].run
-    if runs.law[run, 0] == law.RIGID or runs.firm[run] > 0.0 or structure.about.links.size > 0:
+    if runs.firm[run] > 0.0 or structure.about.links.size > 0:
         return 0.0
+    within = contacts[k].step ** 2 * (1.0 / (runs.rho[run] * runs.h[run]) + contacts[k].light)
+    if runs.law[run, 0] == law.RIGID:
+        slides = has_body and (contacts[k].travel == FREE or contacts[k].rubs != NOT)
+        return 0.5 / within if slides and within > 0.0 else 0.0
     EA = stiffness_at_rest(runs.law[run], runs.hysteresis[run])
     if EA <= 0.0:
         return 0.0
     soft = AXIAL * runs.h[run] / EA + contacts[k].least
-    if has_body and contacts[k].step > 0.0:
-        soft += contacts[k].step ** 2 * (1.0 / (runs.rho[run] * runs.h[run]) + contacts[k].light)
-    return 1.0 / soft
+    return 1.0 / (soft + within if has_body else soft)
+
+
+@inlined
+def keeps_length(structure, contacts, k):
+    """Whether contact k is on a line that does not stretch, whose links its kink lengthens."""
+    is_little = structure.about.links.size > 0
+    return contacts[k].state == ON and structure.runs.law[contacts[k].run, 0] == law.RIGID and not is_little
+
+
+@inlined
+def has_hold(contacts, k):
+    """Whether a horizontal force holds contact k where it does not bear all by friction."""
+    return contacts[k].frictionless == 1 or contacts[k].rubs != NOT
 
 
 @inlined
@@ -44,6 +62,14 @@ def firmness_along(contacts, k):
     """Stiffness of contact k along its line, N/m, if it has one: S_a, or S where the line has no direction."""
     lost = 1.0 - contacts[k].aligned
     return contacts[k].aligned * contacts[k].axial_stiffness + (lost * contacts[k].moving if lost > 0.0 else 0.0)
+
+
+@inlined
+def eased(contacts, k):
+    """What damps how contact k gives way along its line, N, so that it does not swing there where only steps let it."""
+    if contacts[k].easing == 0.0:
+        return 0.0
+    return contacts[k].aligned * contacts[k].easing * (contacts[k].axial - contacts[k].axial_before)
 
 
 @inlined
@@ -59,6 +85,19 @@ def bent(contacts, k, axes):
     for a in range(axes):
         square += contacts[k].d[a] ** 2
     return square
+
+
+@inlined
+def bent_by_body(contacts, k, a):
+    """Change of half of `bent` with component a of where what touches is, m."""
+    return contacts[k].d[a] + (1.0 - contacts[k].aligned) * contacts[k].axial * contacts[k].tangent[a]
+
+
+@inlined
+def bent_by_turning(contacts, k, a):
+    """The same with component a of the derivative of the spline by s, m^2."""
+    e, t = contacts[k].axial, contacts[k].tangent[a]
+    return -e * (contacts[k].aligned * contacts[k].d[a] / contacts[k].spread + 0.5 * contacts[k].aligning * e * t)
 
 
 @inlined
@@ -92,7 +131,7 @@ def turned(contacts, k, axes):
     change = -0.5 * bent(contacts, k, axes) * contacts[k].turn
     if contacts[k].axial_stiffness > 0.0:
         more = contacts[k].aligned * (contacts[k].axial_stiffness - contacts[k].moving)
-        change += more * contacts[k].axial * turn + crushed(contacts, k) * contacts[k].spreading
+        change += (more * contacts[k].axial + eased(contacts, k)) * turn + crushed(contacts, k) * contacts[k].spreading
     return change
 
 

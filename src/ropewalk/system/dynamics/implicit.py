@@ -238,7 +238,7 @@ class Implicit:
             self._linearise()
         if n := self._lengths.count:
             own = self._G, self._M[:-n, :-n], self._free[:, :-n]
-            force, acceleration = self._lengths.settle(*own, acceleration)
+            force, acceleration = self._lengths.settle(*own)
         forces.react(acceleration)
         self._last, self.steps = _Taken(dt, Z), self.steps + 1
         self.memory[0] = min(dt * min(GROWTH, SAFETY * max(error, 1e-12) ** -0.25), self._longest)

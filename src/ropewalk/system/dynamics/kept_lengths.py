@@ -10,7 +10,7 @@ each step it is taken away,
     v + dv,   M dv + G' x = 0,   G dv = - d phi/dt  at v,
 
 which gives velocities the order of places. So does what balances accelerations there for tensions, whose order is
-s - 1 at the stages; it is left to these where kinks pass along such links.
+s - 1 at the stages.
 """
 
 from __future__ import annotations
@@ -19,9 +19,7 @@ import numpy as np
 import scipy.sparse as sparse
 from scipy.sparse.linalg import splu
 
-from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array
-from ropewalk.system.contact.contact_record import ON
 from ropewalk.system.dynamics.carrier import System
 from ropewalk.system.dynamics.rates import Forces
 from ropewalk.system.equilibrium.constrained import gradients, links_of
@@ -52,8 +50,12 @@ class KeptLengths:
         self._system.buffers.tension[self._links] = self._h * pulls
 
     def misses(self) -> Array:
-        """phi of all links where forces were looked at last, (link,) m^2."""
-        return np.asarray(0.5 * (self._system.buffers.length[self._links] ** 2 - self._h**2))
+        """phi of all links where forces were looked at last, (link,) m^2; of what is linearised to the first order."""
+        buffers, about = self._system.buffers, self._system.structure.about
+        if about.links.size:
+            rest = about.links[self._links]
+            return np.asarray(rest["length"] * self._h * (buffers.strain[self._links] - rest["strain"]))
+        return np.asarray(0.5 * (buffers.length[self._links] ** 2 - self._h**2))
 
     def linearise(self, kept: Array) -> sparse.csr_matrix:
         """Change of phi with those unknowns that are kept, as everything stands, (link, unknown) m."""
@@ -70,15 +72,12 @@ class KeptLengths:
         whole += [sparse.block_diag([matrix, none], format="csc") for matrix in others]
         return tuple(whole)
 
-    def settle(
-        self, G: sparse.csr_matrix, M: sparse.csc_matrix, free: sparse.csc_matrix, acceleration: Array
-    ) -> tuple[Array, Array]:
+    def settle(self, G: sparse.csr_matrix, M: sparse.csc_matrix, free: sparse.csc_matrix) -> tuple[Array, Array]:
         """Let velocities keep lengths, and tensions keep what velocities do; the state is as after `Forces.at`.
 
         Args:
             G, M: changes of phi in m, and masses in kg, both of the unknowns.
             free: (place, unknown) what unknowns move.
-            acceleration: of all places as the stages have it, m/s^2.
 
         Returns:
             Forces on everything, N, and accelerations of all places, m/s^2.
@@ -89,16 +88,7 @@ class KeptLengths:
         solve = splu(sparse.bmat([[M + light, G.T], [G, None]], format="csc")).solve
         change = forces.differenced(t, shape, rates, self.misses)
         rates = rates + free @ solve(np.concatenate([none, -change]))[:n]
-        if not self._passed_along:
-            turns = forces.bent(t, shape, rates, self.misses)
-            found = solve(np.concatenate([free.T @ forces.at(t, shape, rates), -turns]))
-            self.pull(self.pulls + found[n:])
-            acceleration = free @ found[:n]
-        return forces.at(t, shape, rates), acceleration
-
-    @property
-    def _passed_along(self) -> bool:
-        """Whether a kink passes along such links: phi bends with its place only from one tabled place to the next."""
-        contacts, law_of = self._system.contacts, self._system.structure.runs.law[:, 0]
-        on = (contacts["state"] == ON) & (contacts["speed"] != 0.0)
-        return bool((law_of[contacts["run"][on]] == law.RIGID).any())
+        turns = forces.bent(t, shape, rates, self.misses)
+        found = solve(np.concatenate([free.T @ forces.at(t, shape, rates), -turns]))
+        self.pull(self.pulls + found[n:])
+        return forces.at(t, shape, rates), free @ found[:n]

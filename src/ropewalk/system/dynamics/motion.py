@@ -12,12 +12,13 @@ from ropewalk.mechanics.compiled import inlined, lean_inner
 from ropewalk.mechanics.elimination import solve_definite
 from ropewalk.mechanics.moving_contact import look_up
 from ropewalk.system.contact.at_sheaves import is_at_sheave
+from ropewalk.system.contact.brakes import pressed_energy
 from ropewalk.system.contact.constraints import draw, is_too_long, note_kick
-from ropewalk.system.contact.contact_record import AWAY, BODY, FREE, GONE, ON
+from ropewalk.system.contact.contact_record import AWAY, BODY, FREE, GONE, NOT, ON
 from ropewalk.system.contact.contacts import add_contact_forces, bend
-from ropewalk.system.contact.friction import NOT, rub
-from ropewalk.system.contact.travel import fade, locate, pressed_energy
-from ropewalk.system.contact.yielding import stored_along, stored_beside
+from ropewalk.system.contact.friction import rub
+from ropewalk.system.contact.travel import fade, locate
+from ropewalk.system.contact.yielding import eased, stored_along, stored_beside
 from ropewalk.system.elements.cables import (
     add_internal_forces,
     add_wind_forces,
@@ -122,7 +123,7 @@ def _look(structure, buffers, contacts, tables, bodies, state, table, out, dt, s
     if steps != GIVEN and bodies.mass.size > 0:
         balance(structure, buffers, contacts, bodies, state, table, out, since)
     for k in range(contacts.size):
-        if contacts[k].rubs != NOT and contacts[k].state == ON:
+        if contacts[k].rubs != NOT and contacts[k].state == ON and contacts[k].kind != BODY:
             rub(structure, buffers, contacts, state, table, out, k)
     bend(structure, buffers, contacts, state, table, out)
     if exist(structure.sheaves):
@@ -355,6 +356,11 @@ def _book(structure, contacts, state):
         contacts[k].was_axial = stored_along(contacts, k)
         for a in range(axes):
             contacts[k].was[a] = contacts[k].d[a]
+        damped = eased(contacts, k)
+        if contacts[k].easing > 0.0 and np.isfinite(contacts[k].before[0]):
+            longer = contacts[k].axial - contacts[k].axial_booked
+            state.work[RUBBED] += 0.5 * (damped + contacts[k].eased) * longer
+        contacts[k].axial_booked, contacts[k].eased = contacts[k].axial, damped
         way = state.s[k] - contacts[k].was_at
         if np.isfinite(contacts[k].before[0]) and way != 0.0:
             work = 0.5 * (contacts[k].push + contacts[k].pushed) * way

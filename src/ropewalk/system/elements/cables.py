@@ -279,7 +279,8 @@ def add_internal_forces(structure, buffers, r, dt):
             at_once = at_once and runs.damping[j] == 0.0 and runs.hysteresis[j, 0] == 0.0
         if small:
             for j in range(s, end + 1):
-                _tensions_little(about.links, buffers, runs.first[j], runs.links[j])
+                if runs.law[j, 0] != law.RIGID:
+                    _tensions_little(about.links, buffers, runs.first[j], runs.links[j])
         elif at_once:
             _pull_at_once(runs.law[s], buffers.length, buffers.pull, begin, n, h)
         else:

@@ -119,6 +119,9 @@ def _at_root(table, i, j, g):
 def compliance(x, n, root, table, out):
     """kappa at x links along a run of n links, its changes with sqrt(zeta) and with x, and the second with the former.
 
+    Between two places it is the cubic that has the slopes of their neighbours: what passes along feels its second
+    change with the place.
+
     Args:
         root: sqrt(zeta).
         table: see `compliances`.
@@ -130,10 +133,23 @@ def compliance(x, n, root, table, out):
     p, q = max(y, 0.0) * PARTS, min(max(root, 0.0), 1.0) * (SHARES - 1)
     i, j = min(int(p), NEAR * PARTS - 1), min(int(q), SHARES - 2)
     f, g = p - i, q - j
-    one, first1, second1 = _at_root(table, i, j, g)
-    two, first2, second2 = _at_root(table, i + 1, j, g)
-    out[0], out[1] = one + f * (two - one), first1 + f * (first2 - first1)
-    out[2], out[3] = side * (two - one) * PARTS, second1 + f * (second2 - second1)
+    before, after = max(i - 1, 0), i + 2 if i + 2 <= NEAR * PARTS else (NEAR - 1) * PARTS + 1
+    a, b, c, d = (
+        -0.5 * f * (1.0 - f) ** 2,
+        1.0 + f * f * (1.5 * f - 2.5),
+        f * (0.5 + f * (2.0 - 1.5 * f)),
+        -0.5 * f * f * (1.0 - f),
+    )
+    kappa0, first0, second0 = _at_root(table, before, j, g)
+    kappa1, first1, second1 = _at_root(table, i, j, g)
+    kappa2, first2, second2 = _at_root(table, i + 1, j, g)
+    kappa3, first3, second3 = _at_root(table, after, j, g)
+    out[0] = a * kappa0 + b * kappa1 + c * kappa2 + d * kappa3
+    out[1] = a * first0 + b * first1 + c * first2 + d * first3
+    out[3] = a * second0 + b * second1 + c * second2 + d * second3
+    a, b = -0.5 + f * (2.0 - 1.5 * f), f * (4.5 * f - 5.0)
+    c, d = 0.5 + f * (4.0 - 4.5 * f), f * (1.5 * f - 1.0)
+    out[2] = side * PARTS * (a * kappa0 + b * kappa1 + c * kappa2 + d * kappa3)
 
 
 @lean

@@ -259,7 +259,9 @@ class Tight(NamedTuple):
         h, fast = np.zeros(n), np.zeros(n)
         for s in np.flatnonzero(runs.law[:, 0] == law.RIGID):
             part = slice(runs.first[s], runs.first[s] + runs.links[s])
-            h[part], fast[part] = runs.h[s], 1.0 / (runs.rho[s] * runs.h[s] ** 2)
+            h[part] = runs.h[s]
+            if not structure.is_linearised:  # whose waves do not know how tensions grow
+                fast[part] = 1.0 / (runs.rho[s] * runs.h[s] ** 2)
         buffers = [np.zeros(n) for _ in range(8)]
         buffers[2][:] = structure.taut
         more = [

@@ -73,7 +73,7 @@ def gradients(potential: Any, shape: Array, links: Integers) -> sparse.csr_matri
     potential.forces(shape)
     r, _ = potential.put(shape)
     rows, on = potential.rows(r), potential.loaded.on
-    if on.size:
+    if on.size and not potential.structure.is_linearised:
         slope = sparse.diags(potential.loaded.contacts["by_tension"][on])
         rows = rows + potential.borne().T @ slope @ potential.stretched()
     return (rows.tocsr() @ potential.free)[links]

@@ -167,7 +167,8 @@ def refuse_limp(structure: Structure, line: Sequence[str], loads: Mapping[str, A
         tension = links["tension"][runs.first[s] : runs.first[s] + runs.links[s]]
         bears = any(load.on == line[s] for load in loads.values())
         weakest = float(tension.min() if bears else np.abs(tension).max())
-        if weakest <= _LIMP * float(law.tangent(runs.law[s], 0.0)):
+        EA = float(law.tangent(runs.law[s], 0.0))
+        if weakest <= (_LIMP * EA if np.isfinite(EA) else 0.0):
             raise EquilibriumError(
                 f"{line[s]} is slack at rest, and in small motion only its tension bears what acts across it: write "
                 "geometry: nonlinear, or give it less length"

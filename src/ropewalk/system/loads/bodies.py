@@ -21,7 +21,7 @@ from ropewalk.mechanics.multibody_system import FIRM
 from ropewalk.system.contact.contact_record import AWAY, FORCE, FREE, GONE, ON
 from ropewalk.system.contact.contacts import find_kinks, stiffen
 from ropewalk.system.contact.travel import travelled
-from ropewalk.system.contact.yielding import firmness_along, stiffness_between
+from ropewalk.system.contact.yielding import firmness_along, has_hold, stiffness_between
 from ropewalk.system.elements.profile import height_at
 from ropewalk.system.elements.spline import WIDTH
 from ropewalk.system.elements.structure import DRIVEN, IN_BODIES, LOADED, RESTRAINED, STRUCK
@@ -190,7 +190,7 @@ def kick(structure, contacts, bodies, state, h, half):
         f[c], old[c] = bodies.force[c], w[c]
         if k >= 0:
             f[c] += contacts[k].given[bodies.axis[c]] - contacts[k].N[bodies.axis[c]]
-            if contacts[k].frictionless == 1:
+            if has_hold(contacts, k):
                 f[c] += contacts[k].hold * structure.runs.ahead[contacts[k].run, bodies.axis[c]]
     for e in range(bodies.pushed.size):
         f[bodies.pushed[e].coordinate] += pushed_with(bodies, e, state.t[0])
@@ -237,7 +237,7 @@ def kick(structure, contacts, bodies, state, h, half):
             state.work[RESTRAINED] -= h * f[c] * contacts[k].goes
         elif bodies.alone[c] == 1:
             w[c] += (h if stage == STAYS or half == 1 else 0.5 * h) * f[c] * bodies.per_mass[c]
-            if k >= 0 and contacts[k].frictionless == 1:
+            if k >= 0 and has_hold(contacts, k):
                 level = structure.runs.ahead[contacts[k].run, bodies.axis[c]]
                 state.work[RESTRAINED] += 0.5 * h * contacts[k].hold * level * (w[c] + old[c])
     for e in range(bodies.pushed.size):

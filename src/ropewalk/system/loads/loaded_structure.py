@@ -11,6 +11,7 @@ import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
 
+from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import HORIZONTAL, Array
 from ropewalk.mechanics.compiled import lean, records
 from ropewalk.system.contact.contact_record import AWAY, BODY, CONTACT, FORCE, ON
@@ -65,6 +66,9 @@ class LoadedStructure:
         given = np.flatnonzero(self.contacts["kind"] == FORCE)
         self.contacts["first"][given] = self.own + dim * np.arange(given.size)
         self.contacts["kind"], self.contacts["step"][given] = BODY, 0.0
+        own = structure.lines.first[self.contacts["line"]]
+        if not structure.is_linearised:  # at rest those on lines that do not stretch give way in all directions
+            self.contacts["step"][structure.runs.law[own, 0] == law.RIGID] = 0.0
         count = self.own + dim * given.size
         self.firm = np.zeros(self.contacts.size)  # N/m, see `statics.py`
         self._light = np.zeros(count, dtype=np.bool_)
