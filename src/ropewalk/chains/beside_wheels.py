@@ -154,7 +154,7 @@ class SplitLinks:
 
 
 @dataclass(frozen=True)
-class Beside:
+class BesideWheels:
     """What pulls at the wheels that have a place of their own on a line, on both sides of each."""
 
     pull: Array  # (instant, wheel, 2) N
@@ -162,10 +162,10 @@ class Beside:
     tangent: Array  # (instant, wheel, axis, 2) r'
 
     @staticmethod
-    def of(split: SplitLinks, nodes: ManyNodes, T: Array, f: Array, bodies: ManyBodies) -> Beside:
+    def of(split: SplitLinks, nodes: ManyNodes, T: Array, f: Array, bodies: ManyBodies) -> BesideWheels:
         """Look at them; tensions and force vectors of whole links are T (instant, link) and f (instant, axis, link)."""
         (count, wheels), dim = bodies.phase.shape, nodes.r.shape[1]
-        beside = Beside(np.full((count, wheels, 2), np.nan), *np.full((2, count, wheels, dim, 2), np.nan))
+        beside = BesideWheels(np.full((count, wheels, 2), np.nan), *np.full((2, count, wheels, dim, 2), np.nan))
         for side, piece in enumerate(split.sides):
             beside._set(split.row, split.k, side, piece.pull, piece.vector, piece.tangent)
         ends = np.full((2, *T.shape), -1)  # the wheel whose piece lies at the first and the last node of a link

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ropewalk.chains.beside_wheels import Beside, ManyNodes, SplitLinks
+from ropewalk.chains.beside_wheels import BesideWheels, ManyNodes, SplitLinks
 from ropewalk.chains.many_bodies import ManyBodies, lengths, onwards, put_located
 from ropewalk.chains.many_ends import energies_of_ends
 from ropewalk.mechanics.at_instants import forces_at, speeds_at, stored_totals
@@ -85,7 +85,7 @@ class ManyLinks:
     T: Array
     f: Array  # (instant, axis, link) N
     elastic: Array  # (instant,) J
-    beside: Beside | None = None  # of wheels that have a place of their own
+    beside: BesideWheels | None = None  # of wheels that have a place of their own
 
     @staticmethod
     def of(setting: PreparedRun, states: ManyStates) -> ManyLinks:
@@ -117,7 +117,7 @@ class ManyLinks:
             elastic += stored_totals(strands.law[s], strain, rest)
         if split is None or states.bodies is None:
             return ManyLinks(eps, T, f, elastic)
-        beside = Beside.of(split, points, T, f, states.bodies)
+        beside = BesideWheels.of(split, points, T, f, states.bodies)
         split.put(strands, states.X, eps, T, f)
         return ManyLinks(eps, T, f, elastic, beside)
 
