@@ -78,6 +78,16 @@ def test_tensions_are_those_of_implicit_steps() -> None:
     assert np.abs(found - exact)[1:].max() < 5e-3  # N, of 154 N
 
 
+def test_by_modes_an_instant_has_the_tensions_of_steps_whatever_was_shown_before() -> None:
+    """Steps of 1 ms: what contacts give way in a step, and waves of its first touch, which modes do not have."""
+    own = {"kind": "linear", "until": 0.4}
+    many, one = (moved(LOADS["mass"], run={**own, "every": every}).tension.values[-1] for every in (0.1, 0.4))
+    assert many == pytest.approx(one, rel=1e-6)  # steps of modes are not the same
+    steps = moved(LOADS["mass"], run={"every": 0.4, "step": 1e-3}).tension.values
+    print(np.abs(one - steps[-1]).max(), np.abs(steps[-1] - steps[0]).max())
+    assert one == pytest.approx(steps[-1], abs=1e-3 * float(np.abs(steps[-1] - steps[0]).max()))
+
+
 def test_a_winch_pays_out_in_small_motion_as_on_a_stiff_line() -> None:
     end = {"kind": "guided", "along": [1, 0], "force": 100.0, "mass": 5.0, "winch": {"speed_limit": 1.0}}
     found = moved(LOADS["mass"], run={"step": 2e-3}, end_support=end)

@@ -99,7 +99,7 @@ def _overhead_in_modes(parts: Parts) -> Iterator[Finding]:
 def _of_pantographs(parts: Parts) -> Iterator[Finding]:
     """Heads that roll have other levers from place to place, and irregularities jump in slope."""
     for name, load in parts.loads.items():
-        if not isinstance(load, Pantograph):
+        if not isinstance(load, Pantograph) or load.on not in parts.overhead:
             continue
         if load.irregularity is not None:
             remedy = "leave irregularity out, or method and start of the run"

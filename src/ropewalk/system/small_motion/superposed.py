@@ -254,6 +254,8 @@ class Superposed:
                 level = self._linear.runs.ahead[contact["run"]]
                 contact["hold"] = level @ (moment.force[k] - contact["given"][:dim])
         viscous = self._viscous(moment.velocity, shape)
+        if self._linear.taut is not None:  # tensions of lines that do not stretch are nobody's to find but `kept`
+            potential.buffers.tension[:] = self._linear.taut
         potential.forces(shape)
         buffers, v = potential.buffers, moment.velocity.reshape(r.shape)
         inertia, forces = self._still.mass * moment.acceleration, self._still.forces(x, moment.velocity)
