@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.vehicle_matrices import BESIDE, MIDDLE, Body, VehicleMatrices
@@ -48,10 +47,10 @@ def matrices_of(pantograph: Pantograph) -> tuple[Array, Array, Array]:
     apart = np.eye(size) - np.eye(size, k=-1)
     # Half of those below the head stand half of a distance from its middle: as a spring against its rotation d^2 / 4.
     lever = [0.25 * rotation.spring_spacing**2 for rotation in rotations]
-    damping, stiffness = (
-        block_diag(apart.T @ np.diag(own) @ apart, np.diag([own[-1] * square for square in lever]))
-        for own in (parts.damping, parts.stiffness)
-    )
+    damping, stiffness = np.zeros((2, size + len(lever), size + len(lever)))
+    for matrix, own in ((damping, parts.damping), (stiffness, parts.stiffness)):
+        matrix[:size, :size] = apart.T @ np.diag(own) @ apart
+        matrix[size:, size:] = np.diag([own[-1] * square for square in lever])
     inertia = [rotation.inertia for rotation in rotations]
     return np.diag([*parts.masses, *inertia]), damping, stiffness
 
