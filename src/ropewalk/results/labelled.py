@@ -35,7 +35,7 @@ def dataset(
         from xarray.indexes import PandasIndex
 
     indexes = {
-        name: PandasIndex(pd.Index(values[::-1]), name, values.dtype)
+        name: PandasIndex(pd.Index(values), name, values.dtype)
         for name, (dims, values, _) in coordinates.items()
         if dims == (name,)
     }
