@@ -16,7 +16,7 @@ from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Array, Doubt, Frame, 
 from ropewalk.results.frames import Frames
 from ropewalk.results.ground import GroundWatch
 from ropewalk.results.hanging import HangingWatch
-from ropewalk.results.holding_on import HoldingWatch
+from ropewalk.results.lost_contact import LostContactWatch
 from ropewalk.results.peaks import beside, lonely, missed, sharp
 from ropewalk.results.pushing import PushWatch
 from ropewalk.results.strength import StrengthWatch
@@ -107,7 +107,7 @@ class Watch:
         self._missing = 0.0, 0.0  # support forces at rest without what they carry, and that, N
         self._balance, self._strengths = _Balance(), StrengthWatch(layout, scenario)
         self._pushing = PushWatch(layout, scenario)
-        self._over_ground, self._holding_on = GroundWatch(layout, scenario), HoldingWatch(layout, scenario)
+        self._over_ground, self._lost_contact = GroundWatch(layout, scenario), LostContactWatch(layout, scenario)
         self._hanging = HangingWatch(layout, scenario)
         self._force = array("d")  # on the line, of each sample and contact, N
         self._instants = array("d")  # of these samples, s
@@ -127,7 +127,7 @@ class Watch:
         self._strengths.see(frames)
         self._pushing.see(frames)
         self._over_ground.see(frames)
-        self._holding_on.see(frames)
+        self._lost_contact.see(frames)
         self._hanging.see(frames)
         self._been |= on.any(axis=0)
         fastest = np.fmax.accumulate(np.concatenate([self._fastest[None], self._in_waves(of)]))[1:]
@@ -275,7 +275,7 @@ class Watch:
         yield from self._between_instants()
         yield from self._pushing.messages()
         yield from self._over_ground.messages()
-        yield from self._holding_on.messages()
+        yield from self._lost_contact.messages()
         yield from self._hanging.messages()
         run = self.scenario.run
         if run.kind != "dynamic" or run.start.kind != "rest" or run.start.with_loads:

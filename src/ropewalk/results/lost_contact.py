@@ -17,7 +17,7 @@ _MUCH = 0.01  # part of the largest push, from which on a pull counts
 _ON_WHEELS = ("mass", "oscillator", "vehicle", "matrices", "train")  # trolleys and carriages hold on to their ropes
 
 
-class HoldingWatch:
+class LostContactWatch:
     """Watches loads with weight and without `lift_off` for what they pull their lines up with.
 
     What holds a load along its line is left out: on a steep one it may point upwards.

@@ -11,7 +11,7 @@ import pytest
 
 from ropewalk.model import Scenario
 from ropewalk.results import summary
-from ropewalk.results.holding_on import HoldingWatch
+from ropewalk.results.lost_contact import LostContactWatch
 from ropewalk.results.table import rows
 from ropewalk.simulate import simulate
 
@@ -24,7 +24,7 @@ def remarked(force: list[float], hold: float = 0.0, gravity: float = 9.81, **loa
     run = {"kind": "dynamic", "until": 0.2}
     tree = {"gravity": gravity, "lines": {"rope": ROPE}, "loads": {"ball": {**MASS, **load}}, "run": run}
     layout = SimpleNamespace(contact_load=("ball",), path="time")
-    watch = HoldingWatch(cast(Any, layout), Scenario.model_validate(tree))
+    watch = LostContactWatch(cast(Any, layout), Scenario.model_validate(tree))
     vectors = np.stack([np.zeros(len(force)), force], axis=1)[:, None]
     path = 0.01 * np.arange(len(force))
     for part in (slice(0, 2), slice(2, None)):  # in two blocks
