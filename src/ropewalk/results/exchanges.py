@@ -47,7 +47,7 @@ def exchanged(cosimulation: Sequence[CosimulationMaster], run_info: RunInfo) -> 
     if not cosimulation:
         return {}
     for partner in cosimulation:
-        run_info.warnings += partner.diagnostics
+        run_info.warnings += [remark for remark in partner.diagnostics if remark not in run_info.warnings]
         partner.diagnostics.clear()
     work, residual, peak = np.array([partner.exchanged() for partner in cosimulation]).T
     return {"exchange_work": work, "exchange_residual": residual, "exchange_peak": peak}
