@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 from ropewalk import Scenario, feedback, simulate, without_feedback
 from ropewalk.errors import ScenarioError
 from ropewalk.model import MovingForce
+from ropewalk.model.history import SpeedTable
 from ropewalk.theory import beam
 
 G = 9.81
@@ -177,6 +178,10 @@ def test_without_feedback_a_pantograph_goes_over_to_the_line_beside() -> None:
     t = np.array(one.force.time)
     ours, theirs = (np.array(load.force.value)[:, 1] for load in (one, other))
     crossing = (80.0 - 30.0) / 20.0  # s, at the support at 80 m, where both are 0.02 m up
+    speed = other.travel.speed
+    assert isinstance(speed, SpeedTable)
+    gone = np.trapezoid(speed.value, speed.time)
+    assert other.travel.start + gone == pytest.approx(30.0 + 20.0 * 3.4 - 40.0, abs=0.05)  # m on that line
     assert np.abs(theirs[t < crossing - 0.4]).max() < 1e-6
     assert np.abs(ours[t > crossing + 0.6]).max() < 1e-6
     assert (ours + theirs)[t > 2.8].mean() == pytest.approx(120.0, abs=3.0)

@@ -99,3 +99,22 @@ def test_mistakes_about_an_fmu_stand_at_their_lines(tmp_path: Path, file: Path) 
     assert missing.exit_code == 2
     assert "--set loads.cart.file: there is no such file, given gone.fmu" in missing.stderr
     assert not list(tmp_path.glob("*.nc"))
+
+
+def test_inputs_that_nothing_sets_are_remarked(file: Path) -> None:
+    """The vehicle has a damper, which feels no velocity that it is not given."""
+    (said,) = [line for line in str(run(file).attrs["warnings"]).splitlines() if "nothing sets" in line]
+    assert "velocity, place, push" in said
+    given = {"w": {"force": "force", "height": "height", "velocity": "velocity", "place": "place"}}
+    told = run(file, contacts=given, start_values={"push": 0.0})
+    assert "nothing sets" not in told.attrs["warnings"]
+
+
+@pytest.mark.parametrize("until", ["crossing", "crossing + 0.1 s"])
+def test_a_run_lasts_until_it_has_crossed(file: Path, until: str) -> None:
+    line = {"start": [0, 0], "end": [20, 0], "length": 20.1, "mass": 1.0, "axial_stiffness": 1e6, "elements": 20}
+    cart = {"kind": "fmu", "on": "string", "file": str(file), "contacts": {"w": {"force": "force", "height": "height"}},
+            "travel": {"speed": 20.0}}  # fmt: skip
+    ask = {"kind": "dynamic", "until": until, "every": 0.01}
+    scenario = Scenario.model_validate({"lines": {"string": line}, "loads": {"cart": cart}, "run": ask})
+    assert float(scenario.run.until) == pytest.approx(20.1 / 20.0 + (0.1 if "+" in until else 0.0), rel=1e-9)  # type: ignore[union-attr]

@@ -1,4 +1,4 @@
-"""Bodies at many instants at once: their contacts, places and energies, see `load_states.py`."""
+"""Bodies at many instants at once: their contacts, places and energies."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ropewalk.mechanics.bodies import AWAY, FLYING, LOCATED, MOVING_WITH, PULLS, PUSHES, WAITING, Bodies
+from ropewalk.mechanics.bodies import AWAY, FLYING, LOCATED, MOVING_WITH, PULLS, PUSHES, WAITING, Bodies, noted_of
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.multibody_system import FIRM
 from ropewalk.results.frame import IN_AIR, MOVES, OFF_LINE, STICKS
@@ -37,6 +37,11 @@ class ManyBodies:
             np.ascontiguousarray(wheels["phase"]), np.ascontiguousarray(wheels["at"]), r, v, wheels,
             np.ascontiguousarray(coordinates["q"]), np.ascontiguousarray(coordinates["v"]), tethers, bodies,
         )  # fmt: skip
+
+    @staticmethod
+    def now(bodies: Bodies, dim: int) -> ManyBodies:
+        """What they are at present."""
+        return ManyBodies.of(bodies, dim, *(records.copy()[None] for records in noted_of(bodies)))
 
     def are(self, phase: int, k: int) -> tuple[Integers, Integers]:
         """Instants at which wheel k is in a phase, and the link or node that it is at."""

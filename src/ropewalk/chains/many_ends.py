@@ -1,4 +1,4 @@
-"""Ends that yield or move, at many instants at once: their energies, and what supports bear, see `frames.py`."""
+"""Ends that yield or move, at many instants at once: their energies, and what supports bear."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Frames of many instants at once, of plain lines and all that nobody leads on the way.
+"""What frames of plain lines tell, of many instants at once, which come first.
 
-What `frames.py` does for one state, with instants in front: to call NumPy for each of them would cost more than to move
-ropes of some fifty links from one to the next. Where loads decide on the way, frames are built one by one.
+To call NumPy for each of them would cost more than to move ropes of some fifty links from one to the next. Where
+somebody leads loads on the way, there is one instant at a time.
 """
 
 from __future__ import annotations
@@ -66,6 +66,13 @@ class ManyStates:
         own, of_bodies = others[: len(state) - 1], others[len(state) - 1 :]
         return replace(ManyStates(t[:, 0], *own), bodies=ManyBodies.of(bodies, state.r.shape[0], *of_bodies))
 
+    @staticmethod
+    def now(state: ChainState, bodies: Bodies | None) -> ManyStates:
+        """The present state alone."""
+        t, *others = (array.copy()[None] for array in state)
+        present = None if bodies is None else ManyBodies.now(bodies, state.r.shape[0])
+        return ManyStates(t[:, 0], *others, bodies=present)
+
     def at(self, i: int) -> ChainState:
         """One of them."""
         others = (self.r, self.w, self.X, self.xi, self.speed, self.moving_load, self.hold, self.work)
@@ -79,7 +86,11 @@ class ManyStates:
 
 @dataclass(frozen=True)
 class ManyLinks:
-    """Strains, tensions and force vectors of all links (entries between strands are zero), with instants in front."""
+    """Strains, tensions and force vectors of all links (entries between strands are zero), with instants in front.
+
+    Where a wheel divides a link, its strain and tension are those in its middle, and its force vector is that at the
+    support, if it is the last one, else that at its first node.
+    """
 
     eps: Array
     T: Array
@@ -129,7 +140,7 @@ def _slope(states: ManyStates, rows: Integers, a: Integers, b: Integers) -> Arra
 
 
 def material_nodes(setting: PreparedRun, states: ManyStates) -> tuple[Array, Array]:
-    """Positions and velocities of the material nodes, see `frames.py`."""
+    """Positions and velocities of the material nodes: those that ride with loads are looked up on their links."""
     r, w = states.r.copy(), states.w.copy()
     if states.bodies is not None:
         put_located(setting, states.X, states.bodies, r, w)
@@ -177,18 +188,22 @@ def links_only(setting: PreparedRun, values: Array) -> Array:
     return np.concatenate([values[:, int(i) : int(i + n)] for i, n in zip(first, links, strict=True)], axis=1)
 
 
-def contacts(setting: PreparedRun, states: ManyStates, links: ManyLinks, mean_hold: Array, reaction: Array) -> Contacts:
+def contacts(
+    setting: PreparedRun, states: ManyStates, links: ManyLinks, mean_hold: Array, reaction: Array, weightless: bool
+) -> Contacts:
     """What is told of loads; reactions (instant, support, axis) get those that stand on supports.
 
     Args:
-        mean_hold: (instant, load) N, along x since the instant before.
+        mean_hold: (instant, load) N, along x since the instant before: from step to step it ripples where a load
+            passes nodes.
+        weightless: whether bodies only press as they are told to; motions of others note what they press with.
     """
     loads, bodies, (count, dim, _) = setting.loads, states.bodies, states.r.shape
     seen = Contacts(count, states.xi.shape[1], dim)
     for k in range(states.xi.shape[1]):
         on = np.flatnonzero((states.moving_load[:, k] != OFF) & (states.moving_load[:, k] != CARRIED))
         times = np.ascontiguousarray(states.t[on])
-        F = forces_at(loads, k, times, dim) if bodies is None else bodies.on_line(on, k)
+        F = forces_at(loads, k, times, dim) if bodies is None or weightless else bodies.on_line(on, k)
         seen.hold[on, k], seen.xi[on, k] = 0.0, states.xi[on, k]
         seen.speed[on, k] = speeds_at(loads, k, times)
         seen.state[on, k] = np.where(states.speed[on, k] != 0.0, MOVES, STICKS)
@@ -293,7 +308,7 @@ def _move_along(setting: PreparedRun, states: ManyStates, bodies: ManyBodies, pl
 def _friction_used(
     setting: PreparedRun, states: ManyStates, links: ManyLinks, k: int, rows: Integers, b: Integers
 ) -> Array:
-    """Friction coefficients that the pulls beside a riding node need, see `frames.py`, (row,)."""
+    """Friction coefficients that the pulls beside a riding node need, less what turns the passing material, (row,)."""
     s = setting.loads.strand[k]
     flux = float(setting.strands.rho[s]) * states.speed[rows, k, None] ** 2
     behind = links.f[rows, :, b - 1] - flux * _slope(states, rows, b - 1, b)

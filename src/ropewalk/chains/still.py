@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ropewalk.chains.frames import layout_of
-from ropewalk.chains.load_states import displayed_bodies, load_energies
+from ropewalk.chains.many_bodies import ManyBodies, displayed
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.audit import energies
 from ropewalk.results.frame import STICKS, Contacts, Frame, Layout, RunInfo
@@ -16,7 +16,7 @@ from ropewalk.solve.loaded_equilibrium import View
 from ropewalk.solve.path_measure import shapes
 from ropewalk.solve.quasistatic import LoadPosition, walk
 from ropewalk.solve.start import PreparedRun, setting_of
-from ropewalk.solve.vehicle_statics import loaded_bodies
+from ropewalk.solve.vehicle_statics import loaded_bodies, potential_of
 
 
 class ChainStatics:
@@ -96,8 +96,8 @@ def loaded_frame(setting: PreparedRun, at: LoadPosition) -> Frame:
     potential = 0.0
     if setting.multibody_system is not None:
         loaded = loaded_bodies(setting.multibody_system.bodies, seen.position.T)
-        bodies = displayed_bodies(setting, nodes.T, loaded)[0]
-        potential = load_energies(setting, loaded)["load_potential"]
+        bodies = displayed(setting, nodes.T[None], ManyBodies.now(loaded, dim))[0][0]
+        potential = potential_of(loaded, setting.strands.gravity)
     seen.hold, seen.xi, seen.speed = seen.force - at.given, at.xi.copy(), np.zeros(count)
     seen.state[:] = STICKS
     return Frame(

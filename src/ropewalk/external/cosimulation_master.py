@@ -195,15 +195,19 @@ class CosimulationMaster:
         self._remember(pushes)
         return pushes
 
-    def verdict(self) -> list[str]:
+    @property
+    def made(self) -> float:
+        """Energy that the exchange has made up to now, as a part of the work that went through it, if it counts."""
+        counts = self.asked > SETTLED and self.residual > self.exchange.warn * self.work
+        return self.residual / max(self.work, 1e-300) if counts else 0.0
+
+    @property
+    def verdict(self) -> str:
         """What is to be said of the energy that the exchange has made up to now."""
-        if self.asked <= SETTLED or self.residual <= self.exchange.warn * self.work:
-            return []
-        return [
+        return (
             f"load {self.name}: the exchange with its model has made {self.residual:.3g} J of energy, with "
-            f"{self.work:.3g} J of work that went through it; shorten `every`, give exchange.damping, or write "
-            "exchange.scheme: iterated"
-        ]
+            f"{self.work:.3g} J of work that went through it"
+        )
 
     def close(self) -> None:
         """Let the model go."""

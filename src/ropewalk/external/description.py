@@ -92,8 +92,13 @@ class _Reading:
             tuple(v.name for v in outputs), tuple(settings),
             is_interpolating=version == 2 and bool(slave.canInterpolateInputs),
             can_go_back=bool(slave.canGetAndSetFMUstate), can_pack=bool(slave.canSerializeFMUstate),
-            goes_back=goes_back, needs_tool=bool(slave.needsExecutionTool),
+            goes_back=goes_back, needs_tool=bool(slave.needsExecutionTool), unheard=tuple(self._unheard()),
         )  # fmt: skip
+
+    def _unheard(self) -> Iterator[str]:
+        """Inputs that neither a contact nor a start value sets."""
+        known = {wanted for _, wanted in self._keys(mentioned)} | set(self.load.start_values)
+        return (v.name for v in self._variables.values() if v.causality == "input" and v.name not in known)
 
     # -- The file ------------------------------------------------------------------------------------------------
 

@@ -98,6 +98,15 @@ class FmuModel:
             self.set_state: Callable[[FmuState], None] | None = self._restore
 
     @property
+    def diagnostics(self) -> list[str]:
+        """What is to be known of it before it begins."""
+        if not self._wiring.unheard:
+            return []
+        names = ", ".join(self._wiring.unheard)
+        remedy = "name them in its contacts (height, velocity, place, force), or say so by start_values"
+        return [f"{self._wiring.who} has inputs that nothing sets, {names}: they stay as they begin; {remedy}"]
+
+    @property
     def contacts(self) -> int:
         """How many contacts it has."""
         return len(self._contacts)

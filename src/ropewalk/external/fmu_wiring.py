@@ -34,6 +34,7 @@ class Wiring:
     can_pack: bool  # and given as bytes
     goes_back: bool  # and it will be asked to save it
     needs_tool: bool  # says that it needs the program that made it
+    unheard: tuple[str, ...] = ()  # names of inputs that nobody sets
 
     @property
     def who(self) -> str:

@@ -28,7 +28,9 @@ def cosimulation_of(name: str, load: ExternalModel, until: float, dim: int, reac
     """
     model = model_of(name, load, until, dim)
     at_end = load.at_end if isinstance(load, Stepper) else load.travel.at_end
-    return CosimulationMaster(name, model, load.every, load.exchange, at_end, contacts_of(name, load), dim, reach)
+    master = CosimulationMaster(name, model, load.every, load.exchange, at_end, contacts_of(name, load), dim, reach)
+    master.diagnostics += model.diagnostics if isinstance(load, Fmu) else []
+    return master
 
 
 def model_of(name: str, load: ExternalModel, until: float, dim: int) -> Any:

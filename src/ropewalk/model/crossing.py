@@ -47,7 +47,7 @@ def _arrivals(parts: Parts) -> Iterator[tuple[str, float | None]]:
     """Name of each load that travels as prescribed, and when all of it is at the end of its line or beyond, s."""
     for name, load, _, line in parts.complete():
         travel: Any = getattr(load, "travel", None)
-        if travel is None or travel.kind == "free" or callable(travel.speed):
+        if travel is None or getattr(travel, "kind", "") == "free" or callable(travel.speed):
             continue
         speed = travel.speed
         limit = reach(line, travel.measured)

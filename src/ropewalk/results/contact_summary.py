@@ -152,13 +152,19 @@ def _acceptance(found: Acceptance | None) -> Summary | None:
     return text | {"checks": checks}
 
 
+UNITS_OF_LINE = {
+    "station": "m", "uplift": "m", "length": "m", "force": "N", "largest": "N", "smallest": "N", "slack": "1",
+    "slack_time": "s",
+}  # fmt: skip
+
+
 def _line(found: LineStatistics) -> Summary:
     droppers = found.droppers
     inner = [name for name, dropper in droppers.items() if dropper.analysed]  # the ends of a line are not typical
     largest = max(inner, key=lambda name: droppers[name].largest, default=None)
     slackest = max(inner, key=lambda name: droppers[name].slack, default=None)
     out: Summary = {
-        "unit": {"station": "m", "uplift": "m", "length": "m", "force": "N", "slack": "1", "slack_time": "s"},
+        "unit": UNITS_OF_LINE,
         "supports": {name: asdict(support) for name, support in found.supports.items()},
         "droppers": {name: asdict(dropper) for name, dropper in droppers.items()},
         "largest_dropper_force": None,

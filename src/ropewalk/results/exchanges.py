@@ -16,6 +16,11 @@ from ropewalk.results.frame import Array, RunInfo
 if TYPE_CHECKING:
     import xarray as xr
 
+MADE = (
+    0.05  # of the work through an exchange: of energy made beyond that a run is doubtful, as of energy that is missing
+)
+REMEDY = "shorten `every`, give exchange.damping (which damps), or write exchange.scheme: iterated"
+
 
 def external_in(scenario: Scenario) -> tuple[str, ...]:
     """Names of the loads that are external models."""
@@ -29,7 +34,12 @@ def exchanging(cosimulation: Sequence[CosimulationMaster], run_info: RunInfo) ->
         try:
             yield
         finally:
-            run_info.warnings += [remark for partner in cosimulation for remark in partner.verdict()]
+            for partner in cosimulation:
+                if partner.made > MADE:
+                    cause = "its answers come too late for how fast the line moves there, or they jump"
+                    run_info.doubt(partner.verdict, cause, f"loads.{partner.name}.every", REMEDY)
+                elif partner.made:
+                    run_info.warnings.append(f"{partner.verdict}; {REMEDY}")
 
 
 def exchanged(cosimulation: Sequence[CosimulationMaster], run_info: RunInfo) -> dict[str, Array]:
@@ -37,7 +47,7 @@ def exchanged(cosimulation: Sequence[CosimulationMaster], run_info: RunInfo) -> 
     if not cosimulation:
         return {}
     for partner in cosimulation:
-        run_info.warnings += partner.diagnostics
+        run_info.warnings += [remark for remark in partner.diagnostics if remark not in run_info.warnings]
         partner.diagnostics.clear()
     work, residual, peak = np.array([partner.exchanged() for partner in cosimulation]).T
     return {"exchange_work": work, "exchange_residual": residual, "exchange_peak": peak}

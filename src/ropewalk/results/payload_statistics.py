@@ -6,22 +6,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ropewalk.mechanics.assembly import speed_table
-from ropewalk.mechanics.travelled import Travelled
-from ropewalk.model.trolley import Trolley
 from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contract import path_name
 from ropewalk.results.frame import Array
+from ropewalk.results.hanging import SUFFIX, pull_of
 from ropewalk.results.own_way import lowest
 from ropewalk.results.ties import ties
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    from ropewalk.model import Scenario
-
-SUFFIX = ".payload"  # of bodies that hang below trolleys
-STRETCH = 1e-3  # m, by which its weight stretches the rope of a payload whose stiffness is not given
 
 Summary = dict[str, Any]
 
@@ -51,7 +44,7 @@ def payload_summary(dataset: xr.Dataset) -> dict[str, Summary]:
         span = dataset["body_position"].values[:, i] - dataset["contact_position"].values[:, on].mean(axis=1)
         aside = np.linalg.norm(span[:, :-1], axis=1)
         angle = np.arctan2(aside, -span[:, -1])
-        pull = _pull(scenario, load, span, path) if name == "time" else None
+        pull = pull_of(scenario, load, span, path) if name == "time" else None
         slack = None if pull is None else float(np.mean(pull[np.isfinite(pull)] <= 0.0))
         found[load] = {
             "sway": _largest(aside, "m", path, name),
@@ -71,17 +64,3 @@ def _largest(values: Array, unit: str, path: Array, name: str) -> Summary | None
         return None
     at = int(np.nanargmax(values))
     return {"value": float(values[at]), "unit": unit, name: float(path[at])}
-
-
-def _pull(scenario: Scenario | None, load: str, span: Array, path: Array) -> Array | None:
-    """Pull of the rope of a payload at the output instants, N."""
-    declared = None if scenario is None else scenario.loads.get(load)
-    if scenario is None or not isinstance(declared, Trolley):
-        return None
-    rope, length = declared.payload, np.linalg.norm(span, axis=1)
-    slack = rope.length - Travelled(*speed_table(rope.hoist, float(path[-1]))).at(path)  # what has been taken in
-    stiffness = (rope.stiffness or rope.mass * scenario.gravity / STRETCH) * rope.length / slack
-    pull = stiffness * (length - slack)
-    if rope.damping and path.size > 2:
-        pull += rope.damping * np.gradient(length - slack, path, edge_order=2)
-    return np.where(length > slack, np.maximum(pull, 0.0), np.where(np.isfinite(length), 0.0, np.nan))

@@ -16,6 +16,7 @@ SUPPORTS, LARGEST = 8, 3  # with more supports than this only so many of them ge
 ROUND_OFF = 1e-9  # m: what is no further aside has not left its plane, what is lifted no higher is at rest
 ZERO = 1e-9  # of the largest of its kind: what is no larger is rounding, and written as zero
 NOTHING = 1e-5  # of the largest of its kind: what is no larger gets no row
+_PULLS = 0.01  # of the largest one, from which on a force upwards is told apart
 _MOST_FRICTION = 2.0  # coefficient above which no two surfaces rub
 ENERGY_LABELS = {
     "kinetic": "kinetic",
@@ -207,11 +208,8 @@ def _support_rows(supports: Summary, say: Column) -> Iterator[Row]:
         yield name, say(force["value"], "N"), "  ".join((*_when(force), *_components(force, say)))
     if many:
         sizes = [force["value"] for force in supports.values() if force["value"] is not None]
-        yield (
-            f"all {len(supports)}",
-            say.span(min(sizes, default=None), max(sizes, default=None), "N"),
-            "largest of each",
-        )
+        least, most = min(sizes, default=None), max(sizes, default=None)
+        yield f"all {len(supports)}", say.span(least, most, "N"), "largest of each"
 
 
 def _pantograph_rows(name: str, found: Summary, say: Column) -> Iterator[Row]:
@@ -324,12 +322,14 @@ def _contact_rows(name: str, contact: Summary, say: Column, largest: float) -> I
     if not share:
         yield "on the line", "never", ""
         return
-    size = contact["force"]["magnitude"]
+    size, up = contact["force"]["magnitude"], contact["force"].get("z", {"max": None})
     if size["max"] is not None and size["max"] - size["min"] > NOTHING * size["max"]:
         spread = f"std {say(size['std'], 'N')}  {say.span(size['min'], size['max'], 'N')}"
         yield "contact force, mean", say(size["mean"], "N"), spread
     else:
         yield "contact force", say(size["mean"], "N"), "constant"
+    if up["max"] is not None and up["min"] < 0.0 < up["max"] - _PULLS * size["max"]:
+        yield "of it downwards, mean", say(-up["mean"], "N"), say.span(-up["max"], -up["min"], "N")
     for how, impulse in contact["impulses"].items():
         if impulse is not None:
             sentence = "  ".join((*_when(impulse), "an impulse over one step, left out of the statistics"))

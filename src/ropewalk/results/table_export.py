@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import re
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -303,8 +303,14 @@ def _samples(dataset: xr.Dataset) -> pd.DataFrame:
     return pd.DataFrame(columns, index=pd.Index(instants, name=f"{name} [s]"))
 
 
-def _rows(name: str, found: Any, unit: str) -> Iterator[dict[str, Any]]:
-    """The numbers and texts of a summary, one in each row, with unit, place and instant; absent numbers are None."""
+def _rows(name: str, found: Any, unit: str | Mapping[str, str]) -> Iterator[dict[str, Any]]:
+    """The numbers and texts of a summary, one in each row, with unit, place and instant; absent numbers are None.
+
+    Args:
+        name: of what was found.
+        found: a part of the summary.
+        unit: of its numbers, or of each by the last part of its name.
+    """
     if isinstance(found, dict):
         unit = found.get("unit", unit)
         where = [key for key in _WHERE if key in found and "value" in found]
@@ -323,4 +329,5 @@ def _rows(name: str, found: Any, unit: str) -> Iterator[dict[str, Any]]:
         if found != "":
             yield {"quantity": name, "text": str(found)}
     else:
-        yield {"quantity": name, "value": None if found is None else float(found), "unit": unit}
+        own = unit if isinstance(unit, str) else unit.get(name.rpartition(".")[2], "1")
+        yield {"quantity": name, "value": None if found is None else float(found), "unit": own}

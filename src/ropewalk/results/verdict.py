@@ -15,6 +15,8 @@ from ropewalk.results.calm import started_too_close
 from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Array, Doubt, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.ground import GroundWatch
+from ropewalk.results.hanging import HangingWatch
+from ropewalk.results.lost_contact import LostContactWatch
 from ropewalk.results.peaks import beside, lonely, missed, sharp
 from ropewalk.results.pushing import PushWatch
 from ropewalk.results.strength import StrengthWatch
@@ -105,7 +107,8 @@ class Watch:
         self._missing = 0.0, 0.0  # support forces at rest without what they carry, and that, N
         self._balance, self._strengths = _Balance(), StrengthWatch(layout, scenario)
         self._pushing = PushWatch(layout, scenario)
-        self._over_ground = GroundWatch(layout, scenario)
+        self._over_ground, self._lost_contact = GroundWatch(layout, scenario), LostContactWatch(layout, scenario)
+        self._hanging = HangingWatch(layout, scenario)
         self._force = array("d")  # on the line, of each sample and contact, N
         self._instants = array("d")  # of these samples, s
         self._tension = array("d")  # largest, of each frame, N
@@ -124,6 +127,8 @@ class Watch:
         self._strengths.see(frames)
         self._pushing.see(frames)
         self._over_ground.see(frames)
+        self._lost_contact.see(frames)
+        self._hanging.see(frames)
         self._been |= on.any(axis=0)
         fastest = np.fmax.accumulate(np.concatenate([self._fastest[None], self._in_waves(of)]))[1:]
         self._fastest = fastest[-1]
@@ -270,6 +275,8 @@ class Watch:
         yield from self._between_instants()
         yield from self._pushing.messages()
         yield from self._over_ground.messages()
+        yield from self._lost_contact.messages()
+        yield from self._hanging.messages()
         run = self.scenario.run
         if run.kind != "dynamic" or run.start.kind != "rest" or run.start.with_loads:
             return

@@ -19,6 +19,7 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigs, eigsh
 
 from ropewalk.mechanics.chain import Array
 from ropewalk.solve.linearised import EPS, Linearised, dense
+from ropewalk.solve.one_thread import one_thread
 
 Complex = NDArray[np.complex128]
 # Of the iterations: their values are made better by Rayleigh quotients, whose error is the square of this.
@@ -39,6 +40,7 @@ class Eigenvalues:
     method: str
 
 
+@one_thread()
 def every(line: Linearised) -> Eigenvalues:
     """The whole spectrum, dense."""
     slack = line.zero
@@ -60,6 +62,7 @@ def every(line: Linearised) -> Eigenvalues:
     return Eigenvalues(by_size(values), frequency, _clean(0.5 * rate[up] / frequency), neutral, True, method)
 
 
+@one_thread()
 def ends(line: Linearised, how_many: int) -> Eigenvalues:
     """The `how_many` slowest and fastest modes and their eigenvalues, by iteration."""
     top, grown, limp = line.highest(), line.below(-line.zero), line.below(line.zero)

@@ -13,6 +13,7 @@ from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.chain import Array
 from ropewalk.results.spectrum import Modes, Spectrum
 from ropewalk.solve.equations import Equations
+from ropewalk.solve.one_thread import one_thread
 from ropewalk.solve.spectrum import LOWEST, unit
 from ropewalk.solve.symmetric import IndefiniteError, Solver, modes
 
@@ -72,6 +73,7 @@ def free_vibration(equations: Equations, how_many: int | None = None) -> Spectru
     )  # fmt: skip
 
 
+@one_thread()
 def lowest(K: Any, M: Any, how_many: int) -> tuple[Array, Array]:
     """Lowest natural angular frequencies in rad/s, ascending, and their shapes; as `modes`, with any mass matrix.
 
@@ -123,6 +125,7 @@ def _without_mass() -> RopewalkError:
     return RopewalkError("there is no spectrum: the masses are not positive definite; check the matrices of vehicles")
 
 
+@one_thread()
 def _top(K: Any, M: Any) -> float:
     """The largest square of a natural frequency, 1/s^2."""
     count = K.shape[0]

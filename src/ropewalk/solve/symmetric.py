@@ -18,6 +18,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.solve.one_thread import one_thread
 
 Way = Literal["auto", "band", "sparse"]
 
@@ -195,7 +196,8 @@ class Solver:
         band = self._band.reshape(self.unknowns, self.width + 1).T
         try:
             # In place: columns are contiguous, as LAPACK wants them.
-            factor = linalg.cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False)
+            with one_thread():
+                factor = linalg.cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False)
         except linalg.LinAlgError as error:
             minor = int(str(error).partition("-")[0])  # "7-th leading minor not positive definite"
             raise IndefiniteError(int(self._order[minor - 1])) from None
@@ -234,6 +236,7 @@ class Solver:
             raise IndefiniteError(int(self._order[wrong[0]]))
 
 
+@one_thread()
 def modes(K: Any, mass: ArrayLike, how_many: int) -> tuple[Array, Array]:
     """Return the lowest natural frequencies and their shapes, K x = w^2 M x with a lumped mass.
 

@@ -38,7 +38,6 @@ class WirePotential:
         share: part of all constant forces, and of what stands there, that is put on.
         place: (..., hold, 3) m, where holds are without force.
         given: (hold, 3) m, by which what holds fast is moved against its force, so that it gives way to none.
-        failed: (..., tie) whether it pulls no more.
     """
 
     def __init__(self, mesh: Mesh, rest: Array, force: Array | None = None) -> None:
@@ -57,7 +56,6 @@ class WirePotential:
         self._tie = rows(mesh.ties.other, mesh.nodes) - rows(mesh.ties.one, mesh.nodes)
         self._ground = np.where(np.isfinite(mesh.ties.ground), mesh.ties.ground, 0.0)
         self._pull, self._push = ties_springs(mesh)
-        self.failed: NDArray[np.bool_] = np.zeros(self._pull.size, dtype=np.bool_)
         self._hold = rows(mesh.holds.at, mesh.nodes)
         self._stiff = spring(mesh.holds.stiffness, mesh.holds.at.local[:, None])
         self.place, self.given = mesh.holds.place, np.zeros_like(mesh.holds.place)
@@ -76,11 +74,13 @@ class WirePotential:
         found: Array = r[..., self._link + 1] - r[..., self._link]
         return found
 
-    def _ties(self, r: Array) -> tuple[Array, Array, Array, Array]:
+    def _ties(self, r: Array, failed: NDArray[np.bool_] | None = None) -> tuple[Array, Array, Array, Array]:
         d = _times(self._tie, r) + self._ground.T
         length = _size(d)
         longer = length - self.mesh.ties.length
-        k = np.where(self.failed, 0.0, np.where(longer > 0.0, self._pull, self._push))
+        k = np.where(longer > 0.0, self._pull, self._push)
+        if failed is not None:
+            k = np.where(failed, 0.0, k)
         return d, length, longer, k
 
     def tie_forces(self, r: Array) -> Array:
@@ -113,10 +113,15 @@ class WirePotential:
         """Potential energy, J."""
         return float(self.energies(r[None])[0])
 
-    def energies(self, r: Array) -> Array:
-        """Potential energies at some instants, (instant,) J, which positions have in front, (instant, 3, node) m."""
+    def energies(self, r: Array, failed: NDArray[np.bool_] | None = None) -> Array:
+        """Potential energies at some instants, (instant,) J.
+
+        Args:
+            r: (instant, 3, node) m.
+            failed: (instant, tie) whether ties pull no more; None: all of them pull.
+        """
         strain = self.tension(r) / self._EA
-        *_, longer, k = self._ties(r)
+        *_, longer, k = self._ties(r, failed)
         away = r - self._unbent
         double = summed(self._EA * self._rest * strain**2) + summed(away * _times(self._bend, away))
         for part in (self._bed * (r[:, 2] - self._level) ** 2, k * longer**2, self._stiff * self._stretched(r) ** 2):
@@ -128,8 +133,8 @@ class WirePotential:
             given += summed(height * (loads.given - 0.5 * _times(loads.stiffness, height)))
         return np.asarray(0.5 * double - self.share * given)
 
-    def pull(self, r: Array) -> Array:
-        """Forces on all nodes, (..., 3, node) N."""
+    def pull(self, r: Array, failed: NDArray[np.bool_] | None = None) -> Array:
+        """Forces on all nodes, (..., 3, node) N; `failed` as of energies."""
         d = self._apart(r)
         along = (self.tension(r) / _size(d))[..., None, :] * d
         out = self.share * self.force - _times(self._bend, r - self._unbent)
@@ -140,14 +145,14 @@ class WirePotential:
         out[..., self._link] += along
         out[..., self._link + 1] -= along
         out[..., 2, :] -= self._bed * (r[..., 2, :] - self._level)
-        d, length, longer, k = self._ties(r)
+        d, length, longer, k = self._ties(r, failed)
         out -= _times(self._tie.T, (k * longer / length)[..., None, :] * d)
         restrained: Array = out + _times(self._hold.T, self._restrained(r).swapaxes(-1, -2))
         return restrained
 
-    def bare_pull(self, r: Array) -> Array:
+    def bare_pull(self, r: Array, failed: NDArray[np.bool_] | None = None) -> Array:
         """The same without what holds do."""
-        bare: Array = self.pull(r) - _times(self._hold.T, self.hold_forces(r).swapaxes(-1, -2))
+        bare: Array = self.pull(r, failed) - _times(self._hold.T, self.hold_forces(r).swapaxes(-1, -2))
         return bare
 
     def stiffness(self, r: Array) -> sparse.csc_matrix:

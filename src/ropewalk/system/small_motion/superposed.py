@@ -253,11 +253,12 @@ class Superposed:
             if contact["frictionless"]:
                 level = self._linear.runs.ahead[contact["run"]]
                 contact["hold"] = level @ (moment.force[k] - contact["given"][:dim])
-        viscous = self._viscous(moment.velocity, shape)
-        if self._linear.taut is not None:  # tensions of lines that do not stretch are nobody's to find but `kept`
-            potential.buffers.tension[:] = self._linear.taut
-        potential.forces(shape)
         buffers, v = potential.buffers, moment.velocity.reshape(r.shape)
+        later = self._strains_of_damped(shape, moment.velocity)
+        if self._linear.taut is not None:  # tensions of lines that do not stretch are nobody's to find but `kept`
+            buffers.tension[:] = self._linear.taut
+        potential.forces(shape)
+        viscous = self._damping if later is None else self._damping * (later - buffers.strain)
         inertia, forces = self._still.mass * moment.acceleration, self._still.forces(x, moment.velocity)
         forces = forces + self._still.handed(self._pressed(touch, moment.force)) - inertia
         pulled, forces = self._still.kept(forces)
@@ -295,16 +296,14 @@ class Superposed:
         own = force[: len(attached.tie)]
         return replace(frame, reaction=reaction, tie_force=own, sampled_tie_force=own[None])
 
-    def _viscous(self, velocity: Array, shape: Array) -> Array:
-        """Tensions of axial dampers (node,), by the first node of each link, N: strains are linear in places."""
+    def _strains_of_damped(self, shape: Array, velocity: Array) -> Array | None:
+        """Strains (node,) after a second with these velocities, which grow evenly; None: there are no axial dampers."""
         if not self._damping.any():
-            return self._damping
-        buffers, moved = self._potential.buffers, shape.copy()
-        self._potential.forces(shape)
-        before = buffers.strain.copy()
-        moved[: velocity.size] += velocity  # of one second
+            return None
+        moved = shape.copy()
+        moved[: velocity.size] += velocity
         self._potential.forces(moved)
-        return np.asarray(self._damping * (buffers.strain - before))
+        return self._potential.buffers.strain.copy()
 
     def _pressed(self, touch: Any, force: Array) -> Array:
         """Forces of contacts on all places, N."""
