@@ -133,11 +133,11 @@ class Energies:
     def _stored(self, then: Then) -> tuple[Array, Array]:
         motion = self._motion
         if isinstance(motion, LargeMotion):
-            parts, self._potential.failed = np.zeros((2, 2, len(then.both))), then.failed
+            parts = np.zeros((2, 2, len(then.both)))
             for j, instant in enumerate((AHEAD, NOW)):
                 self._potential.place = self._places(motion, then.moved[:, :, instant])
                 weights = summed((self._potential.force - self._more) * then.both[:, j])
-                parts[:, j] = self._potential.energies(then.both[:, j]) + weights, -weights
+                parts[:, j] = self._potential.energies(then.both[:, j], then.failed) + weights, -weights
             return parts[0].mean(axis=0), parts[1].mean(axis=0)
         parts_of_both = [
             self._about_rest(motion, then.both[:, j], then.moved[:, :, at], then.failed)

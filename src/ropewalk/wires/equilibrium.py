@@ -38,7 +38,8 @@ class WirePotential:
         share: part of all constant forces, and of what stands there, that is put on.
         place: (..., hold, 3) m, where holds are without force.
         given: (hold, 3) m, by which what holds fast is moved against its force, so that it gives way to none.
-        failed: (..., tie) whether it pulls no more.
+
+    Where `failed` is asked for, it says which ties pull no more, (..., tie).
     """
 
     def __init__(self, mesh: Mesh, rest: Array, force: Array | None = None) -> None:
@@ -57,7 +58,6 @@ class WirePotential:
         self._tie = rows(mesh.ties.other, mesh.nodes) - rows(mesh.ties.one, mesh.nodes)
         self._ground = np.where(np.isfinite(mesh.ties.ground), mesh.ties.ground, 0.0)
         self._pull, self._push = ties_springs(mesh)
-        self.failed: NDArray[np.bool_] = np.zeros(self._pull.size, dtype=np.bool_)
         self._hold = rows(mesh.holds.at, mesh.nodes)
         self._stiff = spring(mesh.holds.stiffness, mesh.holds.at.local[:, None])
         self.place, self.given = mesh.holds.place, np.zeros_like(mesh.holds.place)
@@ -76,16 +76,18 @@ class WirePotential:
         found: Array = r[..., self._link + 1] - r[..., self._link]
         return found
 
-    def _ties(self, r: Array) -> tuple[Array, Array, Array, Array]:
+    def _ties(self, r: Array, failed: NDArray[np.bool_] | None = None) -> tuple[Array, Array, Array, Array]:
         d = _times(self._tie, r) + self._ground.T
         length = _size(d)
         longer = length - self.mesh.ties.length
-        k = np.where(self.failed, 0.0, np.where(longer > 0.0, self._pull, self._push))
+        k = np.where(longer > 0.0, self._pull, self._push)
+        if failed is not None:
+            k = np.where(failed, 0.0, k)
         return d, length, longer, k
 
-    def tie_forces(self, r: Array) -> Array:
+    def tie_forces(self, r: Array, failed: NDArray[np.bool_] | None = None) -> Array:
         """Forces of all ties, positive in tension, (..., tie) N."""
-        _, _, longer, k = self._ties(r)
+        _, _, longer, k = self._ties(r, failed)
         return np.asarray(k * longer)
 
     def hold_forces(self, r: Array) -> Array:
@@ -109,14 +111,14 @@ class WirePotential:
         force, axes = self._stiff * self._stretched(r), self.mesh.holds.axes
         return np.asarray(sum(axes[:, j] * force[..., j, None] for j in range(3)))
 
-    def energy(self, r: Array) -> float:
+    def energy(self, r: Array, failed: NDArray[np.bool_] | None = None) -> float:
         """Potential energy, J."""
-        return float(self.energies(r[None])[0])
+        return float(self.energies(r[None], failed)[0])
 
-    def energies(self, r: Array) -> Array:
+    def energies(self, r: Array, failed: NDArray[np.bool_] | None = None) -> Array:
         """Potential energies at some instants, (instant,) J, which positions have in front, (instant, 3, node) m."""
         strain = self.tension(r) / self._EA
-        *_, longer, k = self._ties(r)
+        *_, longer, k = self._ties(r, failed)
         away = r - self._unbent
         double = summed(self._EA * self._rest * strain**2) + summed(away * _times(self._bend, away))
         for part in (self._bed * (r[:, 2] - self._level) ** 2, k * longer**2, self._stiff * self._stretched(r) ** 2):
@@ -128,7 +130,7 @@ class WirePotential:
             given += summed(height * (loads.given - 0.5 * _times(loads.stiffness, height)))
         return np.asarray(0.5 * double - self.share * given)
 
-    def pull(self, r: Array) -> Array:
+    def pull(self, r: Array, failed: NDArray[np.bool_] | None = None) -> Array:
         """Forces on all nodes, (..., 3, node) N."""
         d = self._apart(r)
         along = (self.tension(r) / _size(d))[..., None, :] * d
@@ -140,22 +142,22 @@ class WirePotential:
         out[..., self._link] += along
         out[..., self._link + 1] -= along
         out[..., 2, :] -= self._bed * (r[..., 2, :] - self._level)
-        d, length, longer, k = self._ties(r)
+        d, length, longer, k = self._ties(r, failed)
         out -= _times(self._tie.T, (k * longer / length)[..., None, :] * d)
         restrained: Array = out + _times(self._hold.T, self._restrained(r).swapaxes(-1, -2))
         return restrained
 
-    def bare_pull(self, r: Array) -> Array:
+    def bare_pull(self, r: Array, failed: NDArray[np.bool_] | None = None) -> Array:
         """The same without what holds do."""
-        bare: Array = self.pull(r) - _times(self._hold.T, self.hold_forces(r).swapaxes(-1, -2))
+        bare: Array = self.pull(r, failed) - _times(self._hold.T, self.hold_forces(r).swapaxes(-1, -2))
         return bare
 
-    def stiffness(self, r: Array) -> sparse.csc_matrix:
+    def stiffness(self, r: Array, failed: NDArray[np.bool_] | None = None) -> sparse.csc_matrix:
         """Second derivatives, (3 node, 3 node), component by component."""
         d = r[:, self._link + 1] - r[:, self._link]
         length = np.sqrt((d**2).sum(axis=0))
         q, axial = self.tension(r) / length, self._EA / self._rest
-        e, (way, far, longer, k) = d / length, self._ties(r)
+        e, (way, far, longer, k) = d / length, self._ties(r, failed)
         u, N = way / far, k * longer / far
         same = np.eye(3)[:, :, None]
         links = (axial - q) * e[:, None] * e[None] + q * same
@@ -287,18 +289,20 @@ class _WireShape:
 
     is_symmetric = True
 
-    def __init__(self, potential: WirePotential, *, space: bool) -> None:
-        self.potential = potential
+    def __init__(self, potential: WirePotential, failed: NDArray[np.bool_] | None, *, space: bool) -> None:
+        self.potential, self.failed = potential, failed
         self.size = float(max(wire.length for wire in potential.mesh.plan.wires))
         self._free = np.flatnonzero(movable(potential.mesh, space=space))
         self.free = sparse.identity(3 * potential.nodes, format="csc")[:, self._free]
-        self.energy = potential.energy
+
+    def energy(self, r: Array) -> float:
+        return self.potential.energy(r, self.failed)
 
     def out_of_balance(self, r: Array) -> Array:
-        return np.asarray(self.potential.pull(r).ravel()[self._free])
+        return np.asarray(self.potential.pull(r, self.failed).ravel()[self._free])
 
     def stiffness(self, r: Array) -> sparse.csc_matrix:
-        return self.potential.stiffness(r)[self._free][:, self._free]
+        return self.potential.stiffness(r, self.failed)[self._free][:, self._free]
 
     def pattern(self, r: Array) -> sparse.csc_matrix:
         return self.potential.pattern[self._free][:, self._free]
@@ -327,29 +331,34 @@ class _WireShape:
             yield r
 
 
-def settle(potential: WirePotential, start: Array, *, space: bool = False) -> WireBalance:
+def settle(
+    potential: WirePotential, start: Array, failed: NDArray[np.bool_] | None = None, *, space: bool = False
+) -> WireBalance:
     """Find the rest next to a shape, see `solve/minimum.py`.
 
     Args:
         potential: of the wires.
         start: (3, node) m.
+        failed: (tie,) whether it pulls no more; None: all do.
         space: whether anything moves sideways.
 
     Raises:
         EquilibriumError: no rest was found.
     """
-    r = minimum.settle(_WireShape(potential, space=space), start)
+    r = minimum.settle(_WireShape(potential, failed, space=space), start)
     return WireBalance(r, potential.tension(r))
 
 
-def settle_on_rails(potential: WirePotential, start: Array, *, space: bool = False) -> WireBalance:
+def settle_on_rails(
+    potential: WirePotential, start: Array, failed: NDArray[np.bool_] | None = None, *, space: bool = False
+) -> WireBalance:
     """As `settle`; ends then stand on their rails exactly, and not but for what a stiff spring gives way."""
-    found = settle(potential, start, space=space)
+    found = settle(potential, start, failed, space=space)
     size = max(wire.length for wire in potential.mesh.plan.wires)
     for _ in range(_ROUNDS):
         off = potential.off_rails(found.position)
         if np.abs(off).max(initial=0.0) <= _ON_RAIL * size:
             break
         potential.given = potential.given + off
-        found = settle(potential, found.position, space=space)
+        found = settle(potential, found.position, failed, space=space)
     return found

@@ -203,9 +203,7 @@ class Pictures:
         """
         strands, supports = self.mesh.strands, self._supports
         if self._potential is not None:
-            self._potential.failed = failed
-            bare = self._potential.bare_pull(r)[..., supports.ends].swapaxes(1, 2)
-            self._potential.failed = failed[-1]
+            bare = self._potential.bare_pull(r, failed)[..., supports.ends].swapaxes(1, 2)
             return supports.of(bare, hold, tie, r)[..., self.axes]
         bare = np.zeros((len(r), supports.ends.size, 3))
         bare[..., 2] = self._risen - (self._end_stiffness @ r[:, 2].T).T - self._end_weight

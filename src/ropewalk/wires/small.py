@@ -53,6 +53,7 @@ from ropewalk.wires.small_springs import add_spring_forces
 from ropewalk.wires.small_stencil import losses, move
 from ropewalk.wires.spline import WIDTH, weights_between
 from ropewalk.wires.step_inputs import ABSENT, ON_WIRE, Record, StepInputs
+from ropewalk.wires.window_places import window_places
 
 _NOTHING = 1e-150  # m
 _CLOSE = 1e-9  # links, beyond an end: nothing
@@ -418,13 +419,14 @@ class SmallMotion(Changing):
         if not np.isfinite(self.window):
             return self._whole
         strands, on = self.mesh.strands, inputs.where == ON_WIRE
-        station = x_of(self.mesh, np.broadcast_to(self.moving_loads.wire, on.shape)[on], inputs.station[on])
-        if station.size == 0:
+        wires = np.broadcast_to(self.moving_loads.wire, on.shape)[on]
+        if wires.size == 0:
             self._low, self._high = self._whole.low, self._whole.high
             return self._whole
-        begin, end, edge = station.min() - self.window, station.max() + self.window, WIDTH * strands.h.max()
+        x = window_places(self.mesh, wires, inputs.station[on], float(inputs.time.max()))
+        begin, end, edge = x.min() - self.window, x.max() + self.window, WIDTH * strands.h.max()
         each = strands.across[:, 1] * strands.h  # x of a link
-        low = np.clip(np.floor((begin - strands.across[:, 0]) / each), 0, strands.links).astype(np.int64)
+        low = np.clip(np.floor((begin - strands.across[:, 0]) / each), 0, strands.links + 1).astype(np.int64)
         high = np.clip(np.ceil((end - strands.across[:, 0]) / each), 0, strands.links + 1).astype(np.int64)
         high = np.maximum(low, high)
         self._stop(low, high)
