@@ -142,7 +142,7 @@ def test_stitch_wires_beyond_the_window_are_led_along_with_their_messenger() -> 
         assert np.abs(cut.tension.values[beyond][:, links] / 2.8e3 - 1.0).max() < 0.35
         ahead = beyond & (contact < at)
         moved = place[:, nodes].mean(axis=1) - at, place[:, messenger] - place[0, messenger]
-        assert np.abs(moved[0] - moved[1])[ahead].max(initial=0.0) < 1e-4  # m, of 5 mm
+        assert np.abs(moved[0] - moved[1])[ahead].max(initial=0.0) < 1e-5  # m, of some mm
 
 
 def test_other_lines_are_refused() -> None:
