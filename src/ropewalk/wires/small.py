@@ -177,8 +177,6 @@ def _look(watched, window, now, found, row):
 def _stand(strands, window, now, other):
     """Let nodes beyond the borders of the window stand still, whatever ties and holds did to them."""
     for a in range(strands.first.size):
-        if window.low[a] >= window.high[a]:
-            continue
         first, n = strands.first[a], window.beyond[a]
         low, high, end = first + window.low[a], first + window.high[a], first + strands.links[a] + 1
         for i in range(max(low - n, first), low):
@@ -437,7 +435,10 @@ class SmallMotion(Changing):
         ]
         seen = self._watched.x
         parts.append((int(np.searchsorted(seen, begin + edge)), int(np.searchsorted(seen, end - edge))))
-        return WireWindow(low, high, *self._layers, self._beyond, self._laden(low, high), *parts)
+        ends = np.sort([strands.across[:, 0], strands.across[:, 0] + each * strands.links], axis=0)
+        near = (ends[1] > begin - 2.0 * edge) & (ends[0] < end + 2.0 * edge)  # also wires that only ties reach to
+        beyond = np.where(near, self._beyond, 0)
+        return WireWindow(low, high, *self._layers, beyond, self._laden(low, high), *parts)
 
     def _stop(self, low: Integers, high: Integers) -> None:
         """Let what the window leaves, as it begins to move nodes from low to high of each wire, stand still."""
