@@ -159,8 +159,6 @@ def _window_with_all_geometry(engine: Engine, parts: Parts) -> Iterator[Finding]
         what = "overhead lines under such loads"
     elif any(line is not None and line.ends == "anchored" for line in parts.overhead.values()):
         what = "overhead lines with ends: anchored, whose tensions follow from all of their length"
-    elif any(line is not None and line.stitch_wire is not None for line in parts.overhead.values()):
-        what = "overhead lines with stitch wires"
     if what:
         given, remedy = run.written_window, "write geometry: linearised, or leave window out"
         yield missing(("run", "window"), what, given, remedy, feature="a window with geometry: nonlinear")

@@ -31,6 +31,7 @@ _PATTERNS = {
         "a net has no axis to whirl about": r"a net has no axis to whirl about",
         "what moves a line everywhere leaves nothing to stand still":
             r"moves (all of a line, not only what is near|its line far from) a load",
+        "a line that does not stretch passes tension on at once, all along it": r"passes tension on at once",
         "a window is measured along lines, and a net has none": r"a window is measured along lines",
         "a net has no axis along which to be heavier": r"a net has no axis along which its inertia",
         "there are no loads to begin at rest with": r"run\.start\.with_loads: there are no loads",
@@ -52,19 +53,14 @@ _PATTERNS = {
             r"goes over from one contact wire to the next, and leaves",
     },
     MISSING: {
-        "no window on inextensible lines": rf"run\.window: {_NOT} inextensible",
         "no implicit method over sheaves": rf"implicit with lines over sheaves {_NOT}",
         "no axial inertia over sheaves, nor in spectra at an instant": rf"axial_inertia: {_NOT}",
         "the sixth order needs forces that do not jump": rf"rkn6 with .* {_NOT}",
         "the implicit method needs forces that do not jump": rf"implicit with .* {_NOT}",
-        "droppers fail in motions of the whole line":
-            rf"a dropper that fails {_NOT}|\.droppers\.(cut|strength): {_NOT}",
         "hysteresis needs the history of strain": rf"(hysteresis {_NOT}|: {_NOT} lines with hysteresis)",
         "no linear theory in wind that blows": rf"wind {_NOT} kind: linear",
         "loads that an engine does not know, pantographs with several contacts in comparisons":
             rf"pantographs with several contacts|(loads\.[^.:]*\.kind|lines\.[^:]*): {_NOT} (joined|beams)",
-        "a window with all geometry on overhead lines between weights alone":
-            rf"a window with geometry: nonlinear {_NOT}",
         "linear theory: no vehicle that starts on the line":
             rf"a vehicle that starts before its line {_NOT}|is not reached with \d+ modes|run\.modes",
     },

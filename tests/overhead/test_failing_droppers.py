@@ -108,9 +108,6 @@ def test_a_dropper_is_torn_where_the_whole_line_first_exceeds_its_strength(geome
         ({"cut": {"droppers": [], "time": 1.0}}, {}, "names none"),
         ({"cut": {"droppers": [[2, 1]], "time": 0.0}}, {}, "time"),
         ({"strength": 0.0}, {}, "strength"),
-        ({"strength": 1e3}, {"kind": "quasistatic"}, "not implemented for all but motions"),
-        ({"cut": {"droppers": [[2, 1]], "time": 1.0}}, {"kind": "equilibrium"}, "not implemented for all but motions"),
-        ({"strength": 1e3}, {"window": "20 m"}, "not implemented for motions in a window"),
     ],
 )
 def test_failures_that_cannot_be_are_refused(droppers: dict[str, Any], run: dict[str, Any], message: str) -> None:

@@ -70,3 +70,13 @@ def test_a_run_goes_on_in_its_window() -> None:
     first, second = runs_that_go_on(long_line(6, 90.0, run={"until": 2.0, "geometry": "linearised"}))
     np.testing.assert_array_equal(first.motion.position, second.motion.position)
     np.testing.assert_array_equal(first.motion.stepping.work, second.motion.stepping.work)
+
+
+def test_stitch_wires_that_the_window_has_left_stand_still() -> None:
+    """All of them, their last nodes, too."""
+    stitched = {"stitch_wire": {"length": "18 m", "tension": "2.8 kN"}, "system_height": "1.8 m"}
+    result = simulate(long_line(8, 60.0, run={"geometry": "linearised", "every": 0.1}, **stitched))
+    late = result.isel(time=-1)  # the pantograph is at 470 m
+    stitch = late.line.str.startswith("line.stitch").values & (result.position.values[0, :, 0] < 380.0)
+    assert stitch.sum() > 6 * 33
+    np.testing.assert_array_equal(late.velocity.values[stitch], 0.0)

@@ -48,6 +48,10 @@ def asked(lines: dict[str, Any], window: float | None, **keys: Any) -> Scenario:
     return Scenario.model_validate({"gravity": 9.81, "lines": lines, "loads": loads, "run": {**run, **own}, **keys})
 
 
+def without_stretch() -> dict[str, Any]:
+    return {k: v for k, v in ROPE.items() if k != "axial_stiffness"} | {"law": {"kind": "inextensible"}}
+
+
 def imbalance(result: xr.Dataset) -> float:
     return float(np.abs(result.energy.sel(form="imbalance")).max())
 
@@ -82,5 +86,20 @@ def test_what_moves_far_from_a_load_goes_without_a_window() -> None:
     table = {"time": [0, 1], "value": [[0, 0], [0, 1]]}
     with pytest.raises(ValueError, match=r"lines\.rope\.end_support moves its line far from a load, too"):
         asked({"rope": {**ROPE, "end_support": {"kind": "moving", "displacement": table}}}, 8.0)
+    with pytest.raises(ValueError, match="a line that does not stretch passes tension on at once"):
+        asked({"rope": without_stretch()}, 8.0)
     stiff = {"rope": {**ROPE, "length": 60.0, "bending_stiffness": 1e6, "axial_stiffness": 1e8}}
     assert engine_of(asked(stiff, 8.0)) is WIRES
+
+
+def test_a_line_that_does_not_stretch_moves_far_from_its_load_at_once() -> None:
+    """That is why it has no window: its end feels a load 50 m away after 5 ms, one that stretches after 0.16 s."""
+    ends = []
+    for rope in (without_stretch(), ROPE):
+        short = {"geometry": "nonlinear", "until": 0.005, "every": 0.005}
+        found = simulate(asked({"rope": rope}, None, run=short))
+        at = found.tension.values[:, -1]
+        ends.append(abs(at[-1] / at[0] - 1.0))
+    print(ends)
+    assert ends[0] > 1e3 * ends[1]
+    assert ends[0] > 1e-3

@@ -69,7 +69,8 @@ class Droppers(Declaration):
     contact_clamp: Mass = Field(default=0.0, description="mass of the clamp on the contact wire")
     messenger_clamp: Mass = Field(default=0.0, description="mass of the clamp on the messenger or stitch wire")
     strength: PositiveForce | None = Field(
-        default=None, description="force that tears a dropper: it pulls no more from then on (default: none does)"
+        default=None,
+        description="that tears a dropper, at rest or on the way: it pulls no more from then on (default: none does)",
     )
     cut: DropperCut | None = Field(default=None, description="droppers that fail at a time (default: none)")
 

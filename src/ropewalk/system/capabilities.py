@@ -185,11 +185,6 @@ def _by_steps(run: Dynamic, what: str, *, inertia: bool = False) -> Iterator[Fin
     """What moves by plain steps with its own inertia, or with more along it, all of it."""
     if run.method in HIGH_ORDER:
         yield missing(("run", "method"), what, run.method, "use auto or verlet")
-    yield from _all_of_it(run, what, inertia=inertia)
-
-
-def _all_of_it(run: Dynamic, what: str, *, inertia: bool = False) -> Iterator[Finding]:
-    """What moves with its own inertia, all of it."""
     if run.window is not None:
         yield missing(("run", "window"), what, "a window", "leave it out")
     if run.axial_inertia != 1.0 and not inertia:
@@ -235,7 +230,12 @@ def _inextensible(parts: Parts) -> Iterator[Finding]:
     if alone and run.axial_inertia != 1.0:
         wrong = "lines that do not stretch have no waves along them that could be slower"
         yield Finding(("run", "axial_inertia"), wrong, f"{run.axial_inertia:g}", "leave it out")
-    yield from _all_of_it(run, what, inertia=alone)
+    elif run.axial_inertia != 1.0:
+        yield missing(("run", "axial_inertia"), what, f"{run.axial_inertia:g}", "leave it out")
+    if run.window is not None:
+        wrong = "a line that does not stretch passes tension on at once, and nothing of it stands still beyond a window"
+        remedy = "leave window out, or give an axial_stiffness with law hooke"
+        yield Finding(("run", "window"), wrong, run.written_window, remedy)
     for name, load in parts.loads.items():
         travel = getattr(load, "travel", None)
         if not isinstance(travel, FreeTravel):

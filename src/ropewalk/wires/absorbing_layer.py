@@ -12,7 +12,7 @@ from ropewalk.wires.mesh import Mesh
 from ropewalk.wires.moving_loads import DAMPED
 from ropewalk.wires.plan import Array, Integers
 
-_THICK = 0.4  # of the half width of a window
+THICK = 0.4  # of the half width of a window
 _STRENGTH = 2.0  # greatest rate, in speeds of waves across over the thickness
 
 
@@ -27,11 +27,11 @@ def layers(mesh: Mesh, width: float) -> tuple[Integers, Array]:
     if np.isinf(width):
         return np.zeros_like(s.links), np.zeros((s.first.size, 2, 0))
     speed = np.sqrt(np.maximum(s.tension, 0.0) / s.rho)
-    nodes = np.floor(_THICK * width / s.h).astype(np.int64)
+    nodes = np.floor(THICK * width / s.h).astype(np.int64)
     rates = np.zeros((s.first.size, 2, int(nodes.max())))
     for n, own, c in zip(nodes, rates, speed, strict=True):
         depth = np.arange(n) / max(n, 1)  # what stands still is one link beyond the last node
-        own[1, :n] = _STRENGTH * c / (_THICK * width) * depth**2
+        own[1, :n] = _STRENGTH * c / (THICK * width) * depth**2
         own[0, :n] = own[1, :n][::-1]
     return nodes, rates
 

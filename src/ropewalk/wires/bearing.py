@@ -33,6 +33,7 @@ class Borne:
     height: Array  # (contact,) m, of the wire itself
     touches: NDArray[np.bool_]  # (contact,) whether it is on its wire and has not lifted off
     coordinates: Array  # of all moving loads, one moving load after the other, m
+    tie_force: Array  # (tie,) N, positive in tension; those that failed have none
 
 
 class Bearing:
@@ -53,8 +54,13 @@ class Bearing:
         self.potential = WirePotential(mesh, unstrained)
         self._size = max(wire.length for wire in mesh.plan.wires)
 
-    def stand(self, t: float, near: Array) -> Borne:
+    def stand(self, t: float, near: Array, failed: NDArray[np.bool_] | None = None) -> Borne:
         """Rest with all loads where they are at an instant in s, next to a shape (3, node) in m.
+
+        Args:
+            t: s.
+            near: (3, node) m.
+            failed: (tie,) whether it pulls no more; None: all do.
 
         Raises:
             EquilibriumError: there is none.
@@ -74,7 +80,7 @@ class Bearing:
                 ground,
             )  # fmt: skip
             self.potential.pressing = (self.rows(locations), found)
-            before, position = position, settle_on_rails(self.potential, position, space=self.space).position
+            before, position = position, settle_on_rails(self.potential, position, failed, space=self.space).position
             height = np.array([location.value(position[2]) if location is not None else 0.0 for location in locations])
             force = found.given - found.stiffness @ height
             lifted = touches & inside & moving_loads.lifts & (moving_loads.sign * force < 0.0)
@@ -85,7 +91,7 @@ class Bearing:
             if not sliding.any() or float(np.abs(position - before).max()) <= _NEAR * self._size:
                 return Borne(
                     position, tuple(locations), station, np.where(touches, force, 0.0), height + local * force,
-                    touches & inside, found.coordinates(height),
+                    touches & inside, found.coordinates(height), self.potential.tie_forces(position, failed),
                 )  # fmt: skip
         raise EquilibriumError("no places were found at which the loads stand: the line gives way below them")
 

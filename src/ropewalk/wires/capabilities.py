@@ -25,20 +25,6 @@ _LONGEST = 1e4  # s between two outputs: ten million samples
 _AT_REST = ("force", "axles", "mass", "oscillator", "vehicle", "train", "matrices", "pantograph")
 
 
-def _with_failing_droppers(parts: Parts) -> Iterator[Finding]:
-    """Droppers fail on the way, and all around them must be free to respond."""
-    run, feature = parts.run, "a dropper that fails"
-    for name, line in parts.overhead.items():
-        for key in ("strength", "cut"):
-            value = None if line is None else getattr(line.droppers, key)
-            path = ("overhead_lines", name, "droppers", key)
-            given = f"{value:g} N" if isinstance(value, float) else ""
-            if value is not None and not isinstance(run, Dynamic):
-                yield missing(path, "all but motions", given, "ask for kind: dynamic", feature=feature)
-            elif value is not None and isinstance(run, Dynamic) and run.window is not None:
-                yield missing(path, "motions in a window", given, "leave run.window out", feature=feature)
-
-
 def _in_the_plane(parts: Parts) -> Iterator[Finding]:
     """What moves or acts across the x-z plane, or along the line."""
     for name, line in parts.lines.items():
@@ -133,7 +119,6 @@ MOTION = Capabilities(
     },
     more=(
         check_small,
-        _with_failing_droppers,
         _in_the_plane,
         _of_loads,
         _of_the_run,

@@ -38,6 +38,8 @@ class WirePotential:
         share: part of all constant forces, and of what stands there, that is put on.
         place: (..., hold, 3) m, where holds are without force.
         given: (hold, 3) m, by which what holds fast is moved against its force, so that it gives way to none.
+
+    Where `failed` is asked for, it says which ties pull no more, (..., tie).
     """
 
     def __init__(self, mesh: Mesh, rest: Array, force: Array | None = None) -> None:
@@ -83,9 +85,9 @@ class WirePotential:
             k = np.where(failed, 0.0, k)
         return d, length, longer, k
 
-    def tie_forces(self, r: Array) -> Array:
+    def tie_forces(self, r: Array, failed: NDArray[np.bool_] | None = None) -> Array:
         """Forces of all ties, positive in tension, (..., tie) N."""
-        _, _, longer, k = self._ties(r)
+        _, _, longer, k = self._ties(r, failed)
         return np.asarray(k * longer)
 
     def hold_forces(self, r: Array) -> Array:
@@ -109,17 +111,12 @@ class WirePotential:
         force, axes = self._stiff * self._stretched(r), self.mesh.holds.axes
         return np.asarray(sum(axes[:, j] * force[..., j, None] for j in range(3)))
 
-    def energy(self, r: Array) -> float:
+    def energy(self, r: Array, failed: NDArray[np.bool_] | None = None) -> float:
         """Potential energy, J."""
-        return float(self.energies(r[None])[0])
+        return float(self.energies(r[None], failed)[0])
 
     def energies(self, r: Array, failed: NDArray[np.bool_] | None = None) -> Array:
-        """Potential energies at some instants, (instant,) J.
-
-        Args:
-            r: (instant, 3, node) m.
-            failed: (instant, tie) whether ties pull no more; None: all of them pull.
-        """
+        """Potential energies at some instants, (instant,) J, which positions have in front, (instant, 3, node) m."""
         strain = self.tension(r) / self._EA
         *_, longer, k = self._ties(r, failed)
         away = r - self._unbent
@@ -134,7 +131,7 @@ class WirePotential:
         return np.asarray(0.5 * double - self.share * given)
 
     def pull(self, r: Array, failed: NDArray[np.bool_] | None = None) -> Array:
-        """Forces on all nodes, (..., 3, node) N; `failed` as of energies."""
+        """Forces on all nodes, (..., 3, node) N."""
         d = self._apart(r)
         along = (self.tension(r) / _size(d))[..., None, :] * d
         out = self.share * self.force - _times(self._bend, r - self._unbent)
@@ -155,12 +152,12 @@ class WirePotential:
         bare: Array = self.pull(r, failed) - _times(self._hold.T, self.hold_forces(r).swapaxes(-1, -2))
         return bare
 
-    def stiffness(self, r: Array) -> sparse.csc_matrix:
+    def stiffness(self, r: Array, failed: NDArray[np.bool_] | None = None) -> sparse.csc_matrix:
         """Second derivatives, (3 node, 3 node), component by component."""
         d = r[:, self._link + 1] - r[:, self._link]
         length = np.sqrt((d**2).sum(axis=0))
         q, axial = self.tension(r) / length, self._EA / self._rest
-        e, (way, far, longer, k) = d / length, self._ties(r)
+        e, (way, far, longer, k) = d / length, self._ties(r, failed)
         u, N = way / far, k * longer / far
         same = np.eye(3)[:, :, None]
         links = (axial - q) * e[:, None] * e[None] + q * same
@@ -292,18 +289,20 @@ class _WireShape:
 
     is_symmetric = True
 
-    def __init__(self, potential: WirePotential, *, space: bool) -> None:
-        self.potential = potential
+    def __init__(self, potential: WirePotential, failed: NDArray[np.bool_] | None, *, space: bool) -> None:
+        self.potential, self.failed = potential, failed
         self.size = float(max(wire.length for wire in potential.mesh.plan.wires))
         self._free = np.flatnonzero(movable(potential.mesh, space=space))
         self.free = sparse.identity(3 * potential.nodes, format="csc")[:, self._free]
-        self.energy = potential.energy
+
+    def energy(self, r: Array) -> float:
+        return self.potential.energy(r, self.failed)
 
     def out_of_balance(self, r: Array) -> Array:
-        return np.asarray(self.potential.pull(r).ravel()[self._free])
+        return np.asarray(self.potential.pull(r, self.failed).ravel()[self._free])
 
     def stiffness(self, r: Array) -> sparse.csc_matrix:
-        return self.potential.stiffness(r)[self._free][:, self._free]
+        return self.potential.stiffness(r, self.failed)[self._free][:, self._free]
 
     def pattern(self, r: Array) -> sparse.csc_matrix:
         return self.potential.pattern[self._free][:, self._free]
@@ -332,29 +331,34 @@ class _WireShape:
             yield r
 
 
-def settle(potential: WirePotential, start: Array, *, space: bool = False) -> WireBalance:
+def settle(
+    potential: WirePotential, start: Array, failed: NDArray[np.bool_] | None = None, *, space: bool = False
+) -> WireBalance:
     """Find the rest next to a shape, see `solve/minimum.py`.
 
     Args:
         potential: of the wires.
         start: (3, node) m.
+        failed: (tie,) whether it pulls no more; None: all do.
         space: whether anything moves sideways.
 
     Raises:
         EquilibriumError: no rest was found.
     """
-    r = minimum.settle(_WireShape(potential, space=space), start)
+    r = minimum.settle(_WireShape(potential, failed, space=space), start)
     return WireBalance(r, potential.tension(r))
 
 
-def settle_on_rails(potential: WirePotential, start: Array, *, space: bool = False) -> WireBalance:
+def settle_on_rails(
+    potential: WirePotential, start: Array, failed: NDArray[np.bool_] | None = None, *, space: bool = False
+) -> WireBalance:
     """As `settle`; ends then stand on their rails exactly, and not but for what a stiff spring gives way."""
-    found = settle(potential, start, space=space)
+    found = settle(potential, start, failed, space=space)
     size = max(wire.length for wire in potential.mesh.plan.wires)
     for _ in range(_ROUNDS):
         off = potential.off_rails(found.position)
         if np.abs(off).max(initial=0.0) <= _ON_RAIL * size:
             break
         potential.given = potential.given + off
-        found = settle(potential, found.position, space=space)
+        found = settle(potential, found.position, failed, space=space)
     return found

@@ -10,13 +10,14 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ropewalk.checkpoint import Tree, arrays_of, copied, put
-from ropewalk.errors import RopewalkError
+from ropewalk.errors import EquilibriumError, RopewalkError
 from ropewalk.external.cosimulation_master import CosimulationMaster, TravelEndedError
 from ropewalk.mechanics.portions import portion
 from ropewalk.model.run import common_interval
 from ropewalk.results.frame import MEAN, OFF_LINE, Layout, RunInfo
 from ropewalk.results.frames import Frames, NotedInstants
 from ropewalk.results.running import Ending
+from ropewalk.wires.absorbing_layer import THICK
 from ropewalk.wires.bearing import at_rest_together
 from ropewalk.wires.beginning import along_moved, on_moved, small_under_loads
 from ropewalk.wires.energy import Energies, Then
@@ -31,6 +32,7 @@ from ropewalk.wires.plan import Array, Integers
 from ropewalk.wires.prescribed_motion import inputs_of
 from ropewalk.wires.rest import WiresAtRest
 from ropewalk.wires.small import SmallMotion
+from ropewalk.wires.small_arrays import x_of
 from ropewalk.wires.stability import largest_step, largest_step_along
 from ropewalk.wires.step_inputs import ON_WIRE, Record, StepInputs
 from ropewalk.wires.task import WireTask, ready
@@ -205,6 +207,7 @@ class Wires:
                 width, error = measure.enough(width, task.accuracy, float((s.h * s.links).max()))
             self._width = width
             self.motion.set_window(width)
+        self._refuse_what_tears_at_rest()
         back = "no wave comes back"
         if np.isfinite(returns):
             back = f"from whose borders waves come back after {width * returns:.3g} s"
@@ -215,6 +218,18 @@ class Wires:
             run_info.reason += (
                 f"; beside the whole line this is estimated to miss {1e3 * error.height:.2g} mm under contacts, "
                 f"and {error.force:.2g} N of their forces up to 20 Hz, rms"
+            )
+
+    def _refuse_what_tears_at_rest(self) -> None:
+        """What bears more than its strength at rest tears at once, all along the line, where nothing could respond."""
+        ties, force = self.task.plan.ties, self.motion.tie_at_rest
+        torn = [i for i, tie in enumerate(ties) if force[i] > tie.strength]
+        if torn:
+            worst = max(torn, key=lambda i: float(force[i] / ties[i].strength))
+            raise EquilibriumError(
+                f"run.window: {len(torn)} droppers bear more than their strength of {ties[worst].strength:g} N at "
+                f"rest, {ties[worst].name} {force[worst]:.4g} N: they tear at once, and beyond a window nothing "
+                "moves that could take over; leave run.window out, or give a larger strength"
             )
 
     def _doubt_sag(self, rest: WiresAtRest) -> None:
@@ -342,8 +357,24 @@ class Wires:
         """Say which ties have failed since they were as before."""
         now = self.motion.failed
         for i in sorted(np.flatnonzero(now[:, 0] < before[:, 0]), key=lambda i: float(now[i, 0])):
-            t, force = now[i]
-            self.run_info.warnings.append(f"at t = {t:.4g} s {self.task.plan.ties[i].name} failed under {force:.4g} N")
+            (t, force), tie = now[i], self.task.plan.ties[i]
+            self.run_info.warnings.append(f"at t = {t:.4g} s {tie.name} failed under {force:.4g} N")
+            if self._width < np.inf and t < tie.fails_at:
+                self._doubt_tearing(int(i), float(t))
+
+    def _doubt_tearing(self, i: int, t: float) -> None:
+        """What tears far from the contacts of a window may go on tearing beyond its border: there nothing is torn."""
+        inputs, ties = self._inputs(t, 1), self.mesh.ties.one
+        on = inputs.where[0] == ON_WIRE
+        x = x_of(self.mesh, self.moving_loads.wire[on], inputs.station[0, on])
+        away = float(np.abs(x - x_of(self.mesh, ties.wire, ties.station)[i]).min(initial=np.inf))
+        known = any(doubt.key == "run.window" for doubt in self.run_info.doubts)
+        if away > (1.0 - THICK) * self._width and not known:
+            self.run_info.doubt(
+                f"{self.task.plan.ties[i].name} failed at t = {t:.4g} s, near the border of the window",
+                "droppers tear one after the other, and beyond the window none is torn", "run.window",
+                "leave run.window out, or give a wider one",
+            )  # fmt: skip
 
     def note(self) -> NotedInstants:
         """What the frames of the instants looked at last will be made of."""
@@ -383,7 +414,9 @@ class Wires:
             piece = inputs if end - row == rows else inputs.rows(row, end)
             for partner in self._partners:
                 partner.fill(piece, (first + row) % partner.rows)
+            gone = self.motion.failed[:, 0] < np.inf
             parts.append(self.motion.go(piece, self.steps))
+            parts[-1].tie[:, gone] = -self.motion.tie_at_rest[gone]  # which is beyond the window, too
             row = end
         return parts[0] if len(parts) == 1 else Record(*(np.concatenate(each) for each in zip(*parts, strict=True)))
 

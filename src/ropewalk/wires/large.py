@@ -40,6 +40,7 @@ from ropewalk.wires.spline import WIDTH, weights
 from ropewalk.wires.springs import add_tie_forces, link_springs_of, steady_of
 from ropewalk.wires.step_inputs import ABSENT, ON_WIRE, Record, StepInputs
 from ropewalk.wires.threads import components, threads_of
+from ropewalk.wires.window_places import window_places
 from ropewalk.wires.wire_steps import are_strains_small, lost_in_wires, move_wires
 
 _CLOSE = 1e-9  # links: how closely a place of given x is sought
@@ -382,7 +383,8 @@ class LargeMotion(Changing):
         instants, rows = inputs.time.shape[0], inputs.time.shape[1] - 1
         record = Record.of(rows, self.moving_loads, len(plan.ties), len(plan.holds), self.watched, instants)
         wires = np.broadcast_to(self.moving_loads.wire, on.shape)[on]
-        window = self.window.around(wires, inputs.station[on], self._r, self.threads.mass, self.stepping.work)
+        x = window_places(self.mesh, wires, inputs.station[on], float(inputs.time.max()))
+        window = self.window.around(x, self._r, self.threads.mass, self.stepping.work)
         arguments = (
             self.mesh.strands, self.threads, self.link_springs, self.holders, window, self.window.still, self.watched,
             self.moving_loads, self.stepping, self._level, self._slope, *self._r, *self._buffers, self.inner, inputs,

@@ -4,8 +4,9 @@ Waves across the wires are taken up next to the borders (`absorbing_layer.py`). 
 fast, and a wire that could not give way along it at a border would be stretched: beyond the border it carries them on.
 There its displacement u along itself is that of a wave that goes away, c u' + u. + c u / L = 0, with L up to where it
 is held along x. A few nodes beyond a border follow that (the absorbing condition of first order, as a box scheme): each
-is where its link has the tension of the wave, whatever shape it was left in. All others are led along with them. What
-goes away with waves, and the kinetic energy of what the window leaves, is lost and counted so.
+is where its link has the tension of the wave, whatever shape it was left in. All others are led along with them, and
+with them wires that are clamped to theirs lengthwise, as stitch wires are: they move as a whole, or not by themselves.
+What goes away with waves, and the kinetic energy of what the window leaves, is lost and counted so.
 """
 
 from __future__ import annotations
@@ -92,7 +93,13 @@ class Following:
         self._hold_x = x_of(mesh, mesh.holds.at.wire, mesh.holds.at.station)
         ends = s.across[:, 0], s.across[:, 0] + s.across[:, 1] * s.h * s.links
         self._watched_x = x_of(mesh, watched.wire, watched.station)
-        self._marks = np.concatenate([*ends, self._hold_x])  # m along x
+        clamped = mesh.ties.lengthwise
+        pairs = zip(mesh.ties.one.wire[clamped], mesh.ties.other.wire[clamped], strict=True)
+        self._carried = sorted({(int(a), int(carrier)) for a, carrier in pairs})
+        carried = [a for a, _ in self._carried]
+        lengths = np.stack([own[carried] for own in ends])
+        points = np.concatenate([*ends, self._hold_x])
+        self._marks = np.concatenate([np.stack([points, points]), lengths], axis=1)  # (2, mark) m, from x to x
         axial = np.array([wire.axial_stiffness for wire in mesh.plan.wires])
         self._speed, self._impedance = np.sqrt(axial / (s.rho * inertia)), np.sqrt(axial * s.rho * inertia)
         self._anchors = [self._anchors_of(a) for a in range(s.first.size)] if np.isfinite(width) else []
@@ -117,23 +124,23 @@ class Following:
         """What changes."""
         return {"low": self.low, "high": self.high, "reach": self.reach, "mark": self._mark}
 
-    def around(self, wires: Integers, stations: Array, r: Sequence[Array], mass: Array, work: Array) -> LargeWindow:
+    def around(self, x: Array, r: Sequence[Array], mass: Array, work: Array) -> LargeWindow:
         """The window for a stretch of the motion.
 
         Args:
-            wires: (contact,) on which contacts are during it.
-            stations: (contact,) m, where.
+            x: (place,) m, of what is to be in it.
             r: now and a step before, (axis, node) m: what comes in is led along, what is left stands still.
             mass: (axis, node) kg.
             work: the account.
         """
         s = self._mesh.strands
-        if not self.is_whole and stations.size:
-            x, each = x_of(self._mesh, wires, stations), s.across[:, 1] * s.h
+        if not self.is_whole and x.size:
+            each = s.across[:, 1] * s.h
             begin, end = self._clear(float(x.min()) - self.width, float(x.max()) + self.width)
-            low = np.clip(np.floor((begin - s.across[:, 0]) / each), 0, s.links).astype(np.int64)
+            low = np.clip(np.floor((begin - s.across[:, 0]) / each), 0, s.links + 1).astype(np.int64)
             high = np.clip(np.ceil((end - s.across[:, 0]) / each), 0, s.links + 1).astype(np.int64)
-            low[low >= high] = high[low >= high] = 0
+            none = low >= high
+            low[none] = high[none] = 0
             self._move_to(low, high, r, mass, work)
             self.reach[:] = begin, end
         begin, end = self._within()
@@ -172,11 +179,12 @@ class Following:
 
     def _clear(self, begin: float, end: float) -> tuple[float, float]:
         """A window whose borders are clear of holds and ends of wires: what moves must feel all that holds it."""
-        near, marks = _CLEAR * WIDTH * float(self._mesh.strands.h.max()), self._marks
-        while (close := marks[np.abs(marks - begin) < near]).size:
-            begin = float(close.min()) - near
-        while (close := marks[np.abs(marks - end) < near]).size:
-            end = float(close.max()) + near
+        near = _CLEAR * WIDTH * float(self._mesh.strands.h.max())
+        before, after = self._marks[0] - near, self._marks[1] + near
+        while (close := (before < begin) & (begin < after)).any():
+            begin = float(before[close].min())
+        while (close := (before < end) & (end < after)).any():
+            end = float(after[close].max())
         return begin, end
 
     def _hold_beyond(self, a: int, i: int, d: int) -> float:
@@ -228,11 +236,21 @@ class Following:
         for a, side, part, end in () if self.is_whole else self._beyond():
             first, h = int(self._mesh.strands.first[a]), float(self._mesh.strands.h[a])
             led, reach = r[0][0, end] - self._mark[a, side], self._hold_beyond(a, end - first, 2 * side - 1)
-            if np.isfinite(reach):  # as much as a wire that is stretched evenly up to there
-                led = led * np.maximum(1.0 - np.abs(np.arange(part.start, part.stop) - end) * h / reach, 0.0)
-            for at in r:
-                at[0, part] += led
+            ways = [(part, np.arange(part.start, part.stop) - float(end))]  # links beyond the end
+            for carried in (b for b, carrier in self._carried if carrier == a and self.low[b] >= self.high[b]):
+                away = self._places_on(a, carried) - (end - first)
+                if (away[0] > 0.0) == (side == 1):
+                    ways.append((self._mesh.of(carried), away))
+            for nodes, away in ways:  # as much as a wire that is stretched evenly up to where it is held
+                for at in r:
+                    at[0, nodes] += led * np.maximum(1.0 - np.abs(away) * h / reach, 0.0)
             self._mark[a, side] = r[0][0, end]
+
+    def _places_on(self, carrier: int, carried: int) -> Array:
+        """Beside which places of the wire that carries another one the nodes of that are, in links."""
+        s = self._mesh.strands
+        x = s.across[carried, 0] + s.across[carried, 1] * s.h[carried] * np.arange(s.links[carried] + 1.0)
+        return np.asarray((x - s.across[carrier, 0]) / (s.across[carrier, 1] * s.h[carrier]))
 
     def _move_to(self, low: Integers, high: Integers, r: Sequence[Array], mass: Array, work: Array) -> None:
         """Let what comes in move, as its neighbour does, and what is left stand still where it is."""
@@ -256,6 +274,11 @@ class Following:
                     rate = (now[axes, part] - last[axes, part]) / self._step
                     work[DAMPED] += 0.5 * float((mass[axes, part] * rate**2).sum())  # lost
                     last[axes, part] = now[axes, part]
+        for carried, carrier in self._carried:  # comes in as what carries it moves
+            if low[carried] < high[carried] and self.low[carried] >= self.high[carried]:
+                moved = (now[0] - last[0])[self._mesh.of(carrier)]
+                place, nodes = self._places_on(carrier, carried), self._mesh.of(carried)
+                last[0, nodes] = now[0, nodes] - np.interp(place, np.arange(moved.size), moved)
         self.low[:], self.high[:] = low, high
         for wire, side, _, end in self._beyond():
             self._mark[wire, side] = now[0, end]

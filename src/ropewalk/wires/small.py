@@ -53,6 +53,7 @@ from ropewalk.wires.small_springs import add_spring_forces
 from ropewalk.wires.small_stencil import losses, move
 from ropewalk.wires.spline import WIDTH, weights_between
 from ropewalk.wires.step_inputs import ABSENT, ON_WIRE, Record, StepInputs
+from ropewalk.wires.window_places import window_places
 
 _NOTHING = 1e-150  # m
 _CLOSE = 1e-9  # links, beyond an end: nothing
@@ -176,8 +177,6 @@ def _look(watched, window, now, found, row):
 def _stand(strands, window, now, other):
     """Let nodes beyond the borders of the window stand still, whatever ties and holds did to them."""
     for a in range(strands.first.size):
-        if window.low[a] >= window.high[a]:
-            continue
         first, n = strands.first[a], window.beyond[a]
         low, high, end = first + window.low[a], first + window.high[a], first + strands.links[a] + 1
         for i in range(max(low - n, first), low):
@@ -418,13 +417,14 @@ class SmallMotion(Changing):
         if not np.isfinite(self.window):
             return self._whole
         strands, on = self.mesh.strands, inputs.where == ON_WIRE
-        station = x_of(self.mesh, np.broadcast_to(self.moving_loads.wire, on.shape)[on], inputs.station[on])
-        if station.size == 0:
+        wires = np.broadcast_to(self.moving_loads.wire, on.shape)[on]
+        if wires.size == 0:
             self._low, self._high = self._whole.low, self._whole.high
             return self._whole
-        begin, end, edge = station.min() - self.window, station.max() + self.window, WIDTH * strands.h.max()
+        x = window_places(self.mesh, wires, inputs.station[on], float(inputs.time.max()))
+        begin, end, edge = x.min() - self.window, x.max() + self.window, WIDTH * strands.h.max()
         each = strands.across[:, 1] * strands.h  # x of a link
-        low = np.clip(np.floor((begin - strands.across[:, 0]) / each), 0, strands.links).astype(np.int64)
+        low = np.clip(np.floor((begin - strands.across[:, 0]) / each), 0, strands.links + 1).astype(np.int64)
         high = np.clip(np.ceil((end - strands.across[:, 0]) / each), 0, strands.links + 1).astype(np.int64)
         high = np.maximum(low, high)
         self._stop(low, high)
@@ -435,7 +435,10 @@ class SmallMotion(Changing):
         ]
         seen = self._watched.x
         parts.append((int(np.searchsorted(seen, begin + edge)), int(np.searchsorted(seen, end - edge))))
-        return WireWindow(low, high, *self._layers, self._beyond, self._laden(low, high), *parts)
+        ends = np.sort([strands.across[:, 0], strands.across[:, 0] + each * strands.links], axis=0)
+        near = (ends[1] > begin - 2.0 * edge) & (ends[0] < end + 2.0 * edge)  # also wires that only ties reach to
+        beyond = np.where(near, self._beyond, 0)
+        return WireWindow(low, high, *self._layers, beyond, self._laden(low, high), *parts)
 
     def _stop(self, low: Integers, high: Integers) -> None:
         """Let what the window leaves, as it begins to move nodes from low to high of each wire, stand still."""

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.results.audit import energies
 from ropewalk.results.frame import IN_AIR, MOVES, Contacts, Frame, Layout, RunInfo
 from ropewalk.solve.following import quasistatic_motion, schedule
 from ropewalk.wires.bearing import Bearing, Borne
+from ropewalk.wires.failing_at_rest import BorneByTheRest, stand_while_ties_fail
 from ropewalk.wires.layout import Reactions, axes_of, axial_force, layout_of
 from ropewalk.wires.plan import Array
 from ropewalk.wires.task import WireTask, ready
@@ -34,6 +36,7 @@ class WireStatics:
         self.run_info, self.mesh = run_info, self._start.mesh
         self._axes, self._supports = axes_of(task), Reactions(self.mesh)
         self._bearing = Bearing(self.mesh, self.task.prescribed_motions, self._start.unstrained, space=task.space)
+        self._noted = 0  # how many failures have been
 
     @property
     def layout(self) -> Layout:
@@ -42,7 +45,10 @@ class WireStatics:
 
     def loaded(self) -> Frame:
         """The only frame of an equilibrium."""
-        return self._frame(self._bearing.stand(0.0, self._start.position), 0.0)
+        found = stand_while_ties_fail(self._bearing, 0.0, self._start.position)
+        self._tell_of_cuts(0.0)
+        self._tell_of_failures(found, "at rest")
+        return self._frame(found, 0.0)
 
     def slowly(self, positions: int, turn: float | None) -> Iterator[Frame]:
         """Frames at equal steps of the path of the first load, until it has come to the end of its line.
@@ -55,11 +61,36 @@ class WireStatics:
             EquilibriumError: the first load has no way, or there is no rest with the loads somewhere on it.
         """
 
-        def rest(t: float, near: Borne | None) -> Borne:
-            return self._bearing.stand(t, near.position if near is not None else self._start.position)
+        def rest(t: float, near: BorneByTheRest | None) -> BorneByTheRest:
+            if near is None:
+                return stand_while_ties_fail(self._bearing, t, self._start.position)
+            return stand_while_ties_fail(self._bearing, t, near.borne.position, near.failures)
 
-        for at in quasistatic_motion(rest, self._places, *self._schedule(), positions, turn):
+        times, paths = self._schedule()
+        self._tell_of_cuts(float(times[-1]))
+        for at in quasistatic_motion(rest, self._places, times, paths, positions, turn):
+            self._tell_of_failures(at.shape, f"at load_path = {at.path:.4g} m")
             yield self._frame(at.shape, at.path)
+
+    def _tell_of_cuts(self, until: float) -> None:
+        """Say what is cut later than at the end of the run in s, and pulls all the time."""
+        for tie in self.task.plan.ties:
+            if until < tie.fails_at < np.inf:
+                self.run_info.warnings.append(
+                    f"{tie.name} is cut at t = {tie.fails_at:.4g} s, and bears here: "
+                    f"{'this is the rest at t = 0' if not until else f'the load has come to its end at {until:.4g} s'}"
+                )
+
+    def _tell_of_failures(self, found: BorneByTheRest, where: str) -> None:
+        """Say which ties have failed since the last time."""
+        new, ties = found.failures[self._noted :], self.task.plan.ties
+        if new and not self._noted:
+            self.run_info.warnings.append(
+                "what others take over from ties that fail comes on them slowly here; "
+                "in kind: dynamic it does with a jerk, under which more may fail"
+            )
+        self.run_info.warnings += [f"{where} {ties[each.tie].name} failed under {each.force:.4g} N" for each in new]
+        self._noted += len(new)
 
     def _schedule(self) -> tuple[Array, Array]:
         """Times and paths of the first load, until all its contacts have come to the end of their line."""
@@ -74,8 +105,9 @@ class WireStatics:
             prescribed_motion.moving_load.name, prescribed_motion.place, length, last=last, first=min(behind)
         )
 
-    def _places(self, found: Borne) -> Array:
+    def _places(self, rest: BorneByTheRest) -> Array:
         """Where contacts are, (contact, 3) m; NaN of those off their wires."""
+        found = rest.borne
         out = np.full((len(found.locations), 3), np.nan)
         for k, location in enumerate(found.locations):
             if location is not None:
@@ -83,7 +115,8 @@ class WireStatics:
                 out[k, -1] = found.height[k]
         return out
 
-    def _frame(self, found: Borne, path: float) -> Frame:
+    def _frame(self, rest: BorneByTheRest, path: float) -> Frame:
+        found, failed = rest.borne, rest.failed
         axes, mesh, count, dim = self._axes, self.mesh, found.station.size, len(self._axes)
         r, strands = found.position, mesh.strands
         potential, moving_loads = self._bearing.potential, self._bearing.moving_loads
@@ -91,7 +124,7 @@ class WireStatics:
         tension = axial_force(mesh, stretched, r)
         EA = np.repeat([wire.axial_stiffness for wire in self.task.plan.wires], strands.links)
         seen = Contacts(count, dim)
-        seen.position = self._places(found)[:, axes]
+        seen.position = self._places(rest)[:, axes]
         first = np.concatenate([[0], np.cumsum(strands.links)[:-1]])
         for k, location in enumerate(found.locations):
             if location is None:
@@ -105,8 +138,8 @@ class WireStatics:
         return Frame(
             path=path, position=r[axes].T, velocity=np.zeros_like(r[axes].T), tension=tension, strain=stretched / EA,
             **seen.fields(), body_position=bodies, body_velocity=np.zeros_like(bodies),
-            reaction=self._reactions(r)[:, axes], energy=self._energy(found),
-            tie_force=potential.tie_forces(r),
+            reaction=self._reactions(r, found.tie_force, failed)[:, axes], energy=self._energy(found, failed),
+            tie_force=found.tie_force,
         )  # fmt: skip
 
     def _bodies(self, found: Borne) -> Array:
@@ -123,17 +156,17 @@ class WireStatics:
             out[i, 0], out[i, -1] = x + np.sign(along) * body.ahead, body.base + float(body.row @ q)
         return out
 
-    def _reactions(self, r: Array) -> Array:
+    def _reactions(self, r: Array, tie_force: Array, failed: NDArray[np.bool_]) -> Array:
         """Forces of ends, holds and arms on their wires, (support, 3) N."""
         potential = self._bearing.potential
-        bare = potential.bare_pull(r)[:, self._supports.ends].T
-        return self._supports.of(bare, potential.hold_forces(r), potential.tie_forces(r), r)
+        bare = potential.bare_pull(r, failed)[:, self._supports.ends].T
+        return self._supports.of(bare, potential.hold_forces(r), tie_force, r)
 
-    def _energy(self, found: Borne) -> Array:
+    def _energy(self, found: Borne, failed: NDArray[np.bool_]) -> Array:
         potential, r = self._bearing.potential, found.position
         loads, potential.pressing = potential.pressing, None
         weights = float((potential.force * r).sum())
-        stored = potential.energy(r) + weights
+        stored = potential.energy(r, failed) + weights
         potential.pressing = loads
         borne = -float(self._bearing.moving_loads.rest @ np.where(found.touches, found.height, 0.0))
         return energies(elastic=stored, gravitational=-weights, load_potential=borne)
