@@ -44,6 +44,10 @@ class RestInWind:
         self.structure = structure._replace(wind=steady)
         size = float(np.ptp(calm, axis=1).max())
         potential = SystemPotential(self.structure, LoadedStructure(self.structure, calm), size, within=within)
+        if structure.saddles is not None:  # friction there holds lines where they lie in calm air
+            slips = potential.how
+            potential.stick(potential.taken())
+            potential.how = slips
         shape = settled_in_wind(potential, potential.taken(), 0.0)
         self.rest = potential.put(shape)[0].copy()
         self.pushed: Array = potential.blown.ravel().copy()  # (place,) N, by the mean wind
