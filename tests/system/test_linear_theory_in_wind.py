@@ -262,6 +262,13 @@ def test_with_all_geometry_it_comes_out_as_loads_go_to_nothing(speed: float, tmp
     assert missed[0] / missed[1] == pytest.approx(4.0, rel=0.05)
 
 
+@pytest.mark.parametrize("speed", [12.0, 30.0])
+def test_it_is_doubted_where_wind_leans_lines_far(speed: float) -> None:
+    """A rope that turns about its supports in a side wind, to half a right angle and more in the stronger one."""
+    found = blown(ROPE, {"direction": [0, 1, 0], "speed": speed}, linear(0.5, 0.1))
+    assert ("the mean wind moves lines by up to" in found.attrs["doubts"]) == (speed == 30.0)
+
+
 def test_a_mean_speed_is_that_of_its_table() -> None:
     """By hand; jumps, ramps, and constants beyond the table."""
     table = {"time": [1.0, 2.0, 2.0, 9.0], "value": [2.0, 4.0, 10.0, 3.0]}

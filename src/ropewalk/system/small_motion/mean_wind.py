@@ -22,6 +22,7 @@ from ropewalk.system.equilibrium.statics import SystemPotential
 from ropewalk.system.loads.loaded_structure import LoadedStructure
 
 _STRONG = 0.5  # of the mean: gusts of which a quarter of the mean force is left out
+_FAR = 0.3  # of the way from calm air to the rest in the wind: what linear theory may miss of it
 
 
 class RestInWind:
@@ -52,6 +53,21 @@ class RestInWind:
         self.rest = potential.put(shape)[0].copy()
         self.pushed: Array = potential.blown.ravel().copy()  # (place,) N, by the mean wind
         self.moved: Array = (calm - self.rest).ravel()  # (place,) m, from there to where motion begins
+
+    def doubt_start(self, K: sparse.csc_matrix, free: sparse.csr_matrix, run_info: RunInfo) -> None:
+        """Doubt a run that begins, in calm air, farther from its rest than linear theory reaches.
+
+        Args:
+            K: (unknown, unknown) N/m, about the rest in the wind.
+            free: (place, unknown), places moved by unknowns.
+            run_info: of the run.
+        """
+        known = -free @ np.asarray(scipy.sparse.linalg.spsolve(K, free.T @ self.pushed)).reshape(-1)
+        missed, way = (float(np.abs(part).max(initial=0.0)) for part in (known - self.moved, self.moved))
+        if missed > _FAR * way:
+            what = f"the mean wind moves lines by up to {way:.2g} m, and linear theory misses {missed:.2g} m of that"
+            cause = "that far from calm air, where motion begins, their stiffness is another one"
+            run_info.doubt(what, cause, "wind.speed", "ask for kind: dynamic")
 
     @property
     def gusts(self) -> Gusts:

@@ -97,6 +97,8 @@ class Superposed:
         free, uneven = self._still.free, self._still.uneven
         begin = None if self._air is None else unknowns_at(self._air.moved, free)
         self.modes = ModalBasis.of(K, M, C, free, run.modes, drifting, uneven, begin)
+        if self._air is not None and not drifting:
+            self._air.doubt_start(K, free, run_info)
         carried = Carried(contacts, self._tables, self._of)
         self._loaded = LoadedStructure(self._linear, rest, carried)
         size = float(np.ptp(rest, axis=1).max())
