@@ -225,6 +225,14 @@ def runs(s: Structure) -> Iterator[tuple[str, Tree]]:
         yield "window, all geometry", dynamic(s, window=20.0)
 
 
+def gusts(s: Structure) -> Iterator[tuple[str, Tree]]:
+    """Winds that change, by name."""
+    if "wind" in s.parts:
+        speed = s.parts["wind"]["speed"]
+        for row, begin in (("linear theory, gusts", 0.5 * speed), ("linear theory, no mean wind", -speed)):
+            yield row, {**s.parts["wind"], "speed": {"time": [0.0, s.until], "value": [begin, speed]}}
+
+
 RUNNING = ("none", "force", "mass", "vehicle")
 
 
@@ -238,6 +246,10 @@ def asked() -> Iterator[Case]:
                     continue  # quasi-static runs are those of loads
                 found = _one(load(s, kind)) if kind != "none" else {}
                 yield Case("runs", row, s.name, kind, scenario(s, found, run))
+        for row, wind in gusts(s):
+            for kind in kinds:
+                found = _one(load(s, kind)) if kind != "none" else {}
+                yield Case("runs", row, s.name, kind, scenario(s, found, dict(runs(s))["linear theory"], wind=wind))
         for kind in kinds:
             found = _one(load(s, kind)) if kind != "none" else {}
             yield Case("runs", "without gravity", s.name, kind, scenario(s, found, gravity=0.0))

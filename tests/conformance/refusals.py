@@ -49,6 +49,8 @@ _PATTERNS = {
         "lines that do not stretch have no waves along them": r"have no waves along them that could be slower",
         "a given force is no vehicle": r"of kind force is only a force; what can be exported",
         "what fails on the way has other modes afterwards": r"has other modes afterwards: nothing is superposed",
+        "gusts without a mean wind push with the square of their speed":
+            r"is linear only about a mean wind that is stronger",
         "a pantograph that goes over to another wire leaves the one behind":
             r"goes over from one contact wire to the next, and leaves",
     },
@@ -58,7 +60,6 @@ _PATTERNS = {
         "the sixth order needs forces that do not jump": rf"rkn6 with .* {_NOT}",
         "the implicit method needs forces that do not jump": rf"implicit with .* {_NOT}",
         "hysteresis needs the history of strain": rf"(hysteresis {_NOT}|: {_NOT} lines with hysteresis)",
-        "no linear theory in wind that blows": rf"wind {_NOT} kind: linear",
         "loads that an engine does not know, pantographs with several contacts in comparisons":
             rf"pantographs with several contacts|(loads\.[^.:]*\.kind|lines\.[^:]*): {_NOT} (joined|beams)",
         "linear theory: no vehicle that starts on the line":

@@ -210,9 +210,6 @@ def test_a_mass_that_crosses_a_beam_is_as_in_its_modes() -> None:
 
 
 def test_what_it_does_not_know_is_refused() -> None:
-    line = {**ROPE, "wind_drag": 0.01}
-    with pytest.raises(ValueError, match="wind is not implemented for kind: linear"):
-        given({"deck": line}, {}, 1.0, 0.1, wind={"direction": [1, 0], "speed": 5.0})
     shaken = {"kind": "moving", "displacement": {"time": [0, 1], "value": [[0, 0], [0, 0.1]]}}
     with pytest.raises(ValueError, match="a support that moves is not implemented"):
         given({**TRIPOD, "deck": {**ROPE, "start_support": shaken}}, {}, 1.0, 0.1)

@@ -207,9 +207,10 @@ class Linear(Declaration):
     """The classical linear theory: small deflections that add up.
 
     Every line by itself is a taut string, or a beam, along its chord, and moves across that. Of joined lines, of lines
-    on inner supports, of lines in calm air, of nets and of membranes, and under loads with a mass for which a string
-    or beam has no answer, it is small motion about rest in all directions, by superposition of modes. So it is of
-    overhead lines, whose droppers that are taut at rest stay taut, and pantographs on the wire.
+    on inner supports, of lines in wind, of nets and of membranes, and under loads with a mass for which a string or
+    beam has no answer, it is small motion about rest in all directions, by superposition of modes. So it is of overhead
+    lines, whose droppers that are taut at rest stay taut, and pantographs on the wire. In wind the rest is that in its
+    mean over the run, where air damps, and gusts push in proportion to their speed; it begins in calm air, too.
     """
 
     kind: Literal["linear"] = "linear"

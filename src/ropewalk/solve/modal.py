@@ -52,6 +52,7 @@ class ModalBasis:
         frequency: (mode,) rad/s, without damping.
         still: (place, mode), undamped modes over their frequencies, but for those of what drifts.
         drift: (unknown, drifting mode) what resists nothing, and (unknown, drifting mode) its momenta at 1/s, or none.
+        begin: (mode,) m, where all is let go.
     """
 
     rate: Complex
@@ -63,9 +64,13 @@ class ModalBasis:
     frequency: Array
     still: Array
     drift: tuple[Array, Array]
+    begin: Complex
 
     @staticmethod
-    def of(K: Any, M: Any, C: Any, free: Any, count: int | None = None, drifting: float = 0.0) -> ModalBasis:
+    def of(
+        K: Any, M: Any, C: Any, free: Any, count: int | None = None, drifting: float = 0.0,
+        uneven: Any = None, begin: Array | None = None,
+    ) -> ModalBasis:  # fmt: skip
         """The lowest modes, of equations of motion (unknown, unknown).
 
         Args:
@@ -73,6 +78,8 @@ class ModalBasis:
             free: (place, unknown), sparse.
             count: how many; None: all that the mesh has, or many.
             drifting: rad/s, next to nothing, given to what resists nothing to the first order; 0: that is refused.
+            uneven: N/m, what K has besides, not symmetric, which what is left out does not feel, sparse; None: nothing.
+            begin: (unknown,) m, displacements from which all is let go; None: from rest.
 
         Raises:
             EquilibriumError: something resists nothing to the first order.
@@ -97,12 +104,15 @@ class ModalBasis:
         coupled = np.abs(D - np.diag(own)) > _ALONE * max(float(np.abs(own).max(initial=0.0)), 1e-300)
         places = free @ phi
         more = (places / w)[:, ~drifts], (phi[:, drifts], M @ phi[:, drifts])
-        if coupled.any():
-            rate, shape, driven = _coupled(w, D)
-            return ModalBasis(rate, places @ shape, places @ driven.T, wanted < unknowns, K, free, w, *more)
+        start = np.zeros(w.size) if begin is None else phi.T @ (M @ begin)
+        if coupled.any() or uneven is not None:
+            turning = np.zeros_like(D) if uneven is None else np.asarray(phi.T @ (uneven @ phi))
+            rate, shape, driven = _coupled(w, D, turning)
+            let_go = rate * (driven @ start) + driven @ (D @ start)  # velocities undone that the rates bring along
+            return ModalBasis(rate, places @ shape, places @ driven.T, wanted < unknowns, K, free, w, *more, let_go)
         rate, which, by = alone(w, own)
-        shape = places[:, which]
-        return ModalBasis(rate, shape.astype(np.complex128), shape * by, wanted < unknowns, K, free, w, *more)
+        shape, let_go = places[:, which], (rate + own[which]) * by * start[which]
+        return ModalBasis(rate, shape.astype(np.complex128), shape * by, wanted < unknowns, K, free, w, *more, let_go)
 
     def remainder(self, at: Array) -> tuple[Array, Array]:
         """What follows without modes where forces act.
@@ -148,14 +158,14 @@ def alone(w: Array, damping: Array) -> tuple[Complex, Integers, Complex]:
     return rate, np.append(np.arange(w.size), last), np.append(own, -own[last])
 
 
-def _coupled(w: Array, D: Array) -> tuple[Complex, Complex, Complex]:
-    """Modes of the first-order equations, (w q)' = w q', q'' = -w (w q) - D q' + f.
+def _coupled(w: Array, D: Array, S: Array) -> tuple[Complex, Complex, Complex]:
+    """Modes of the first-order equations, (w q)' = w q', q'' = -w (w q) - S q - D q' + f.
 
     Raises:
         RopewalkError: they are not independent.
     """
     n = w.size
-    A = np.block([[np.zeros((n, n)), np.diag(w)], [-np.diag(w), -D]])
+    A = np.block([[np.zeros((n, n)), np.diag(w)], [-np.diag(w) - S / w, -D]])
     values, vectors = linalg.eig(A)
     try:
         inverse = np.linalg.inv(vectors)

@@ -71,6 +71,18 @@ class ModalBodies:
         return self.force if self.pushes is None else self.force + self.pushes(t)
 
 
+class Gusts(NamedTuple):
+    """A force on all places that keeps its pattern."""
+
+    force: Array  # (place,) N
+    part: Callable[[float], float]  # s to how much of it there is then, and just before
+
+    @staticmethod
+    def none(places: int) -> Gusts:
+        """Nothing blows."""
+        return Gusts(np.zeros(places), lambda t: 0.0)
+
+
 @dataclass(frozen=True)
 class Stretch:
     """A time between two events, during which the same contacts are on their lines."""
@@ -92,6 +104,7 @@ class Moment:
     place: Array  # (place,) displacement, m
     velocity: Array  # (place,) m/s
     acceleration: Array  # (place,) m/s^2
+    gusts: float  # part of their force
 
 
 class _Pressed(NamedTuple):
@@ -100,6 +113,7 @@ class _Pressed(NamedTuple):
     h: float  # s
     touches: list[ContactsAtInstant]  # (stage,)
     force: Array  # (stage, contact and axis) N
+    gusts: Array  # (stage,) parts of their force
 
 
 class _Seen(NamedTuple):
@@ -111,6 +125,7 @@ class _Seen(NamedTuple):
     force: Array  # (contact, axis) N
     touch: ContactsAtInstant
     pressing: Array  # (contact on its line and axis,) N
+    gusts: float  # part of their force
     pressed: _Pressed | None  # in the step before it
 
 
@@ -125,21 +140,27 @@ class _Small(NamedTuple):
 
 
 class Superposition:
-    """Motion from rest.
+    """Motion from where the modes begin.
 
     Args:
         modes: of the structure.
         course: of all contacts.
         bodies: on them.
         axes: how many.
+        gusts: that push at all of the structure; None: there are none.
     """
 
-    def __init__(self, modes: ModalBasis, course: ContactHistory, bodies: ModalBodies, axes: int) -> None:
+    def __init__(
+        self, modes: ModalBasis, course: ContactHistory, bodies: ModalBodies, axes: int, gusts: Gusts | None = None
+    ) -> None:
         self.modes, self.course, self.bodies, self._axes = modes, course, bodies, axes
         self._nodes = modes.shape.shape[0] // axes
         self._steps: dict[float, ModalStep] = {}
         self._small: dict[tuple[float, bytes, frozenset[int]], _Small] = {}
         self._loads = [int(bodies.load[first]) if first >= 0 else -1 for first in bodies.first]  # of each contact
+        self.gusts = Gusts.none(modes.shape.shape[0]) if gusts is None else gusts
+        self._blown: Complex = self.gusts.force @ modes.driven  # (mode,)
+        self._leans = modes.remainder(self.gusts.force[:, None])[0][:, 0]  # (place,) m, without modes
 
     def moments(
         self, stretches: Sequence[Stretch], longest: float, start: tuple[Array, Array]
@@ -172,7 +193,7 @@ class Superposition:
 
     def _pass(self, stretches: Sequence[Stretch], longest: float, start: tuple[Array, Array]) -> list[_Seen]:
         """The same with steps of a given length at most, s."""
-        z, (u, w) = np.zeros(self.modes.rate.size, dtype=np.complex128), (part.copy() for part in start)
+        z, (u, w) = self.modes.begin.copy(), (part.copy() for part in start)
         first = stretches[0]
         self._balance(first, z, u, w)
         found, before = [self._look(first.begin, first.on, z, u, w, None)], first.on
@@ -267,19 +288,19 @@ class Superposition:
         """One step; the state after it, and what has pressed on the structure."""
         touches = [self.course.at(t + c * step.h, stretch.on) for c in STAGES]
         rows = [self._rows(touch) for touch in touches]
+        gusts = np.array([self.gusts.part(t + c * step.h) for c in STAGES])
         if self.bodies.mass.size:
-            N, u, w = self._contact_forces(step, stretch, t, touches, rows, z, u, w)
+            N, u, w = self._contact_forces(step, stretch, t, touches, rows, gusts, z, u, w)
         else:
             N = np.array([touch.force.ravel() for touch in touches])
         z = step.decay[2] * z
         for i, (_, driven) in enumerate(rows):
-            z = z + step.weight[2, i] * (N[i] @ driven)
-        return z, u, w, _Pressed(step.h, touches, N)
+            z = z + step.weight[2, i] * (N[i] @ driven + gusts[i] * self._blown)
+        return z, u, w, _Pressed(step.h, touches, N, gusts)
 
     def _contact_forces(
         self, step: ModalStep, stretch: Stretch, t: float, touches: list[ContactsAtInstant], rows: list[tuple[Complex,
-        Complex]], z: Complex,
-        u: Array, w: Array,
+        Complex]], gusts: Array, z: Complex, u: Array, w: Array,
     ) -> tuple[Array, Array, Array]:  # fmt: skip
         """Forces of all contacts at the stages (stage, contact and axis), and the bodies at the end of a step.
 
@@ -293,11 +314,14 @@ class Superposition:
         given[:, coordinate], N[:, own] = N[:, own], 0.0
         G, known = np.zeros((3, size, 3, size)), np.zeros((3, size))
         for j, (shape, _) in enumerate(rows):
-            known[j] = touches[j].point.ravel() + (shape @ (step.decay[j] * z)).real
+            free = step.decay[j] * z + (gusts @ step.weight[j]) * self._blown
+            known[j] = touches[j].point.ravel() + (shape @ free).real
             for i, (_, driven) in enumerate(rows):
                 G[j, :, i] = ((shape * step.weight[j, i]) @ driven.T).real
             if self.modes.left_out:
-                G[j, :, j] += self.modes.remainder(self._shares(touches[j]))[1]
+                shares = self._shares(touches[j])
+                G[j, :, j] += self.modes.remainder(shares)[1]
+                known[j] += gusts[j] * (self._leans @ shares)
         known += np.tensordot(G, N, axes=2)
         J, right = small.left.copy(), np.zeros(small.left.shape[0])
         low, m = 3 * n, own.size
@@ -347,35 +371,37 @@ class Superposition:
         """An instant, to which a step has led; None: nothing has moved yet."""
         touch = self.course.at(t, on)
         N = touch.force.ravel() if pressed is None else pressed.force[2]
+        under = touch.point.ravel() + (self._rows(touch)[0] @ z).real
         for i, k in enumerate(touch.contact if pressed is None else ()):
             if self.bodies.first[k] >= 0:  # nothing has moved
-                own = u[self.bodies.first[k] + np.arange(self._axes)]
-                N[self._axes * i : self._axes * (i + 1)] = (own - touch.point[i]) / touch.soft[i]
+                own, row = u[self.bodies.first[k] + np.arange(self._axes)], slice(self._axes * i, self._axes * (i + 1))
+                N[row] = (own - under[row]) / touch.soft[i]
         force = np.full((on.size, self._axes), np.nan)
         force[touch.contact] = N.reshape(-1, self._axes)
-        return _Seen(z, u.copy(), w.copy(), force, touch, N, pressed)
+        gusts = self.gusts.part(t) if pressed is None else float(pressed.gusts[2])
+        return _Seen(z, u.copy(), w.copy(), force, touch, N, gusts, pressed)
 
     def _places(self, seen: Sequence[_Seen]) -> Array:
         """Displacements at instants, (instant, place) m."""
         found = (np.array([one.z for one in seen]) @ self.modes.shape.T).real
         if self.modes.left_out:
             for row, one in zip(found, seen, strict=True):
-                row += self.modes.remainder(self._shares(one.touch))[0] @ one.pressing
+                row += self.modes.remainder(self._shares(one.touch))[0] @ one.pressing + one.gusts * self._leans
         return np.asarray(found)
 
     def _moment(self, seen: _Seen, place: Array) -> Moment:
         """Everything at an instant."""
         rate, pressed = self.modes.rate, seen.pressed
-        driven = self._rows(seen.touch)[1]
-        speeds = np.array([rate * seen.z, rate * (rate * seen.z + seen.pressing @ driven)])
+        driven = seen.pressing @ self._rows(seen.touch)[1] + seen.gusts * self._blown
+        speeds = np.array([rate * seen.z, rate * (rate * seen.z + driven)])
         velocity, acceleration = (speeds @ self.modes.shape.T).real
         if self.modes.left_out and pressed is not None:
             follows = [
-                self.modes.remainder(self._shares(at))[0] @ own
-                for at, own in zip(pressed.touches, pressed.force, strict=True)
+                self.modes.remainder(self._shares(at))[0] @ own + part * self._leans
+                for at, own, part in zip(pressed.touches, pressed.force, pressed.gusts, strict=True)
             ]
             velocity = velocity + np.tensordot(RATE_AT_END / pressed.h, follows, axes=1)
-        return Moment(seen.u, seen.w, seen.force, place, velocity, acceleration)
+        return Moment(seen.u, seen.w, seen.force, place, velocity, acceleration, seen.gusts)
 
 
 def passed_an_end(load: str, t: float) -> RopewalkError:

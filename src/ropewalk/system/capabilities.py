@@ -18,6 +18,7 @@ from ropewalk.model.line import Line
 from ropewalk.model.load import ExternalModel, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
+from ropewalk.model.mean_speed import MeanSpeed
 from ropewalk.model.missing import missing
 from ropewalk.model.oscillator import Oscillator
 from ropewalk.model.overlap import course_of
@@ -421,9 +422,13 @@ AT_REST = replace(
 
 def _moves_little(parts: Parts) -> Iterator[Finding]:
     """What of lines and air is not small motion about a rest that stays the same."""
-    if parts.wind is not None and parts.is_airy and not parts.wind.is_calm:
-        remedy = f"give wind a speed of 0, or {_DYNAMIC}"
-        yield missing(("wind", "speed"), _LINEAR, "wind that blows", remedy, feature="wind")
+    run = parts.run
+    if parts.wind is not None and parts.is_airy and isinstance(run, Linear) and run.until > 0.0:
+        speed = MeanSpeed.of(parts.wind.speed, run.until)
+        if speed.is_gusty:
+            wrong = "gusts push with the square of their speed, which is linear only about a mean wind that is stronger"
+            given = f"mean {speed.mean:.3g} m/s, gusts of {speed.rms:.3g} m/s rms"
+            yield Finding(("wind", "speed"), wrong, given, f"give the wind a larger mean, or {_DYNAMIC}")
     for name, line in parts.lines.items():
         if line is None:
             continue

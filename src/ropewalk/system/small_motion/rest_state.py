@@ -16,6 +16,7 @@ import numpy as np
 import scipy.sparse as sparse
 
 from ropewalk.mechanics.chain import Array
+from ropewalk.system.elements.air import stiffness_by_wind
 from ropewalk.system.elements.sheaves import LITTLE
 from ropewalk.system.elements.structure import Structure
 from ropewalk.system.equilibrium.constrained import gradients, links_of, ways
@@ -30,9 +31,10 @@ class RestState:
     Args:
         structure: with all its geometry.
         rest: (axis, node) m.
+        pushed: (place,) N, by the wind, in which it rests; None: in calm air.
     """
 
-    def __init__(self, structure: Structure, rest: Array) -> None:
+    def __init__(self, structure: Structure, rest: Array, pushed: Array | None = None) -> None:
         size = float(np.ptp(rest, axis=1).max())
         potential = SystemPotential(structure, LoadedStructure(structure, rest), size)
         if structure.taut is not None:
@@ -42,6 +44,11 @@ class RestState:
         potential.stick(shape)
         K, M, C = potential.stiffness(shape), potential.masses(), potential.damping(shape)
         self.free = potential.free.tocsr()
+        self._air: sparse.csc_matrix | None = None
+        self.uneven: sparse.csc_matrix | None = None  # N/m, of what turns with the lines: not symmetric
+        self._pushed = np.zeros(rest.size) if pushed is None else pushed
+        if pushed is not None:
+            self._air = stiffness_by_wind(structure, rest, 0.0)
         self._links, self._h = links_of(structure)
         if self._links.size:
             self._all = potential.rows(rest)[self._links].tocsr()  # change of l^2/2 with all places
@@ -49,6 +56,8 @@ class RestState:
             Z = sparse.csr_matrix(ways(potential, shape))
             K, M, C = Z.T @ K @ Z, (Z.T @ M @ Z).tocsc(), (Z.T @ C @ Z).tocsc()
             self.free = (self.free @ Z).tocsr()
+        if self._air is not None:
+            self.uneven = (self.free.T @ self._air @ self.free).tocsc()
         self.equations = ((0.5 * (K + K.T)).tocsc(), M, C)
         self.mass = np.tile(structure.nodes.mass, rest.shape[0])  # (place,) kg
         self._elastic = potential.stored(shape)
@@ -72,9 +81,10 @@ class RestState:
         if structure.surfaces is not None:
             self._laid = sparse.block_diag([structure.surfaces.shares(n)] * rest.shape[0]).tocsr()
 
-    def forces(self, x: Array, v: Array) -> Array:
-        """Forces of lines, cells, dampers and weights on all places that have gone by x from rest, N."""
-        return np.asarray(self._force - self._K @ x - self._C @ v)
+    def forces(self, x: Array, v: Array, gusts: float) -> Array:
+        """Forces of lines, cells, dampers, weights and wind on all places that have gone by x from rest, N."""
+        by_air = (1.0 + gusts) * self._pushed - (0.0 if self._air is None else self._air @ x)
+        return np.asarray(self._force - self._K @ x - self._C @ v + by_air)
 
     def stored(self, x: Array) -> float:
         """Energy in lines and cells, J."""

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.loading import loading_of
+from ropewalk.model.mean_speed import MeanSpeed
 from ropewalk.model.run import Linear
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import ENERGY_FORMS, Frame, Layout, RunInfo
@@ -43,6 +44,7 @@ from ropewalk.system.loads.pantographs import stand_below, with_pantographs
 from ropewalk.system.loads.pushes import pushes_at
 from ropewalk.system.reporting.doubts import doubt_slack, doubt_sticking, joined_beside
 from ropewalk.system.reporting.frames import FrameBuilder, SystemNote
+from ropewalk.system.small_motion.mean_wind import RestInWind, doubt_gusts, unknowns_at
 from ropewalk.system.small_motion.passing import Passing
 from ropewalk.system.small_motion.rest_state import RestState
 from ropewalk.system.small_motion.ties_about_rest import TiesAboutRest
@@ -72,6 +74,11 @@ class Superposed:
         assembled = structure_of(scenario, run.until)
         loading = loading_of(scenario, run.until, axes=assembled.axes)
         structure, rest = at_rest(assembled.structure, loading.gravity, assembled.near, within=scenario.is_plane)
+        self._air: RestInWind | None = None
+        if scenario.wind is not None and (speed := MeanSpeed.of(scenario.wind.speed, run.until)).mean != 0.0:
+            self._air = RestInWind(structure, rest, speed, run.until, within=scenario.is_plane)
+            structure, rest = self._air.structure, self._air.rest
+            doubt_gusts(speed, run_info)
         self.rest, self._linear = rest, about_rest(structure, rest)
         self._assembled: Assembled = replace(assembled, structure=self._linear)
         contacts, self._tables, self._of = contacts_of(scenario, loading, structure, assembled.on)
@@ -84,10 +91,14 @@ class Superposed:
         measure_from_ends(contacts, structure, rest)
         contacts["margin"] = contacts["step"] = 0.0
         self._least, self._most = np.zeros((2, contacts.size))  # N, of contact forces upwards
-        self._still = RestState(structure, rest)
+        self._still = RestState(structure, rest, None if self._air is None else self._air.pushed)
         K, M, C = self._still.equations
         drifting = _DRIFTS / run.until if scenario.overhead_lines else 0.0  # between weights, along the line
-        self.modes = ModalBasis.of(K, M, C, self._still.free, run.modes, drifting)
+        free, uneven = self._still.free, self._still.uneven
+        begin = None if self._air is None else unknowns_at(self._air.moved, free)
+        self.modes = ModalBasis.of(K, M, C, free, run.modes, drifting, uneven, begin)
+        if self._air is not None and not drifting:
+            self._air.doubt_start(K, free, run_info)
         carried = Carried(contacts, self._tables, self._of)
         self._loaded = LoadedStructure(self._linear, rest, carried)
         size = float(np.ptp(rest, axis=1).max())
@@ -101,7 +112,7 @@ class Superposed:
         if self._linear.sheaves is not None:  # links that these divide
             self._damping[self._linear.sheaves.about.node[:, 0]] = runs.damping[self._linear.sheaves.run]
         self._passing = Passing(self._linear, self._loaded, self._potential, self._tables, names)
-        self._builder = FrameBuilder(self._assembled, loading, self._of, windy=False)
+        self._builder = FrameBuilder(self._assembled, loading, self._of, windy=self._air is not None)
         self._ties: TiesAboutRest | None = None
         if structure.ties is not None and assembled.attached is not None:
             self._ties = TiesAboutRest(structure.ties, rest, assembled.attached)
@@ -120,7 +131,8 @@ class Superposed:
         Raises:
             RopewalkError: a load passes an end of its line that it must not pass.
         """
-        motion = Superposition(self.modes, self._passing, self._bodies(), self.rest.shape[0])
+        gusts = None if self._air is None else self._air.gusts
+        motion = Superposition(self.modes, self._passing, self._bodies(), self.rest.shape[0], gusts)
         stretches = self._stretches()
         moments, step, missed = motion.moments(stretches, self._longest(), self._start(stretches[0].on))
         count, among = self.modes.frequency.size, self._still.free.shape[1]
@@ -170,9 +182,13 @@ class Superposed:
         loaded, own, u = self._loaded, self._loaded.own, self._loaded.state.u.copy()
         w, touch = np.zeros(u.size), self._passing.at(0.0, on)
         first = self._loaded.contacts["first"]
+        moved = (self.modes.shape @ self.modes.begin).real.reshape(self.rest.shape)
         for i, k in enumerate(touch.contact):
-            at = first[k] + np.arange(self.rest.shape[0])
-            u[at], w[at] = touch.point[i], touch.way[i]
+            contact, at = loaded.contacts[k], first[k] + np.arange(self.rest.shape[0])
+            used = np.flatnonzero((touch.weight[i] != 0.0) | (contact["slope"] != 0.0))
+            below, rate = moved[:, touch.near[i] + used], contact["speed"] / self._linear.runs.h[contact["run"]]
+            u[at] = touch.point[i] + below @ touch.weight[i][used]
+            w[at] = touch.way[i] + rate * (below @ contact["slope"][used])
         beside = self._passing.beside(0.0, on)
         for k in np.flatnonzero(~on & (first < own)):
             w[first[k] + np.arange(self.rest.shape[0])] = beside[k]
@@ -183,7 +199,8 @@ class Superposed:
     def _stretches(self) -> list[Stretch]:
         """The time of the run between instants of output, jumps of histories, and loads that come and go."""
         until, tables = float(self._times[-1]), self._tables
-        jumps = np.concatenate([tables.speed_time, tables.force_time, self._of.push_time])
+        gusts = np.zeros(0) if self._air is None else self._air.instants
+        jumps = np.concatenate([tables.speed_time, tables.force_time, self._of.push_time, gusts])
         events = [*self._times, *jumps[(jumps > 0.0) & (jumps < until)], *self._comings(until)]
         instants = np.unique(np.array(events))
         kept = np.concatenate([[True], np.diff(instants) > CLOSE * until])
@@ -254,12 +271,16 @@ class Superposed:
                 level = self._linear.runs.ahead[contact["run"]]
                 contact["hold"] = level @ (moment.force[k] - contact["given"][:dim])
         buffers, v = potential.buffers, moment.velocity.reshape(r.shape)
+<<<<<<< HEAD
         later = self._strains_of_damped(shape, moment.velocity)
         if self._linear.taut is not None:  # tensions of lines that do not stretch are nobody's to find but `kept`
             buffers.tension[:] = self._linear.taut
         potential.forces(shape)
         viscous = self._damping if later is None else self._damping * (later - buffers.strain)
         inertia, forces = self._still.mass * moment.acceleration, self._still.forces(x, moment.velocity)
+=======
+        inertia, forces = self._still.mass * moment.acceleration, self._still.forces(x, moment.velocity, moment.gusts)
+>>>>>>> work-linwind
         forces = forces + self._still.handed(self._pressed(touch, moment.force)) - inertia
         pulled, forces = self._still.kept(forces)
         buffers.tension[:] += pulled + viscous
