@@ -30,7 +30,7 @@ class Memory:
 
     def __init__(self, system: System) -> None:
         self._system, runs = system, system.structure.runs
-        self._lagging = np.flatnonzero(runs.hysteresis[:, 0] > 0.0)
+        self._lagging: list[int] = np.flatnonzero(runs.hysteresis[:, 0] > 0.0).tolist()
         self._lag = system.buffers.lag.copy()
         self.softer = np.zeros(self._lag.shape[1])  # N, by which links are softer than where they are loaded
         sheaves = system.structure.sheaves
@@ -43,7 +43,7 @@ class Memory:
     @property
     def any(self) -> bool:
         """Whether there is anything to keep in mind."""
-        return self._lagging.size > 0 or self._sheaves is not None
+        return bool(self._lagging) or self._sheaves is not None
 
     def begin(self) -> None:
         """Keep in mind what is there now, as it came about at once."""

@@ -332,11 +332,11 @@ def _turn_inertia(inertia, near, beyond, v, was, square, turned):
     Args:
         was: m/s, along its line before.
     """
-    is_held, now = True, 0.0
+    ends, now = True, 0.0
     for a in range(v.shape[0]):
-        is_held = is_held and inertia.along[a, beyond] == 0.0
+        ends = ends and inertia.along[a, beyond] == 0.0
     for a in range(v.shape[0]):
-        if not is_held:  # the end of a line, which has no way of its own
+        if not ends:  # the end of a line, which has no way of its own
             inertia.along[a, near] = inertia.along[a, beyond]
         now += inertia.along[a, near] * v[a, near]
     more = inertia.factor - 1.0
