@@ -55,11 +55,8 @@ _PATTERNS = {
             r"goes over from one contact wire to the next, and leaves",
     },
     MISSING: {
-        "no implicit method over sheaves": rf"implicit with lines over sheaves {_NOT}",
-        "no axial inertia over sheaves, nor in spectra at an instant": rf"axial_inertia: {_NOT}",
-        "the sixth order needs forces that do not jump": rf"rkn6 with .* {_NOT}",
-        "the implicit method needs forces that do not jump": rf"implicit with .* {_NOT}",
-        "hysteresis needs the history of strain": rf"(hysteresis {_NOT}|: {_NOT} lines with hysteresis)",
+        "dry friction on saddles jumps from step to step, which no method of high order knows":
+            rf"(rkn6|implicit) with dry friction .* {_NOT}",
         "loads that an engine does not know, pantographs with several contacts in comparisons":
             rf"pantographs with several contacts|(loads\.[^.:]*\.kind|lines\.[^:]*): {_NOT} (joined|beams)",
         "linear theory: no vehicle that starts on the line":

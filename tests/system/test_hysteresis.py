@@ -144,8 +144,8 @@ def test_what_does_not_fit_together_is_refused(change: dict[str, Any], message: 
 
 @pytest.mark.parametrize(
     "run",
-    [{"kind": "linear", "until": 1},
-     {"kind": "dynamic", "until": 1, "geometry": "linearised"}, {"kind": "dynamic", "until": 1, "method": "implicit"}],
+    [{"kind": "linear", "until": 1}, {"kind": "dynamic", "until": 1, "geometry": "linearised"},
+     {"kind": "dynamic", "until": 1, "window": 5.0}],
 )  # fmt: skip
 def test_runs_that_do_not_follow_the_history_of_strain_are_refused(run: dict[str, Any]) -> None:
     line = {"start": [0, 0], "end": [10, 0], "length": 9.9, "mass": 0.1, **WEBBING}

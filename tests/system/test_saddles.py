@@ -166,7 +166,10 @@ MISTAKES = {
         {"supports": {"pier": {"at": 4.0, "kind": "fixed", "position": [4.0, 1.0]}}}, AT_REST,
         "supports: a line over saddles has no inner supports",
     ),
-    "implicit": ({}, {"kind": "dynamic", "until": 1.0, "every": 0.1, "method": "implicit"}, "run.method"),
+    "implicit": (
+        {"tower": {**TOWER, "friction": 0.2}}, {"kind": "dynamic", "until": 1.0, "every": 0.1, "method": "implicit"},
+        "run.method",
+    ),
 }  # fmt: skip
 
 

@@ -179,13 +179,18 @@ def _of_hysteresis(name: str, line: Line, run: object) -> Iterator[Finding]:
         yield missing(path, "runs that begin from a result", "a block", "start at rest", feature="hysteresis")
     if run.geometry == "linearised":
         yield Finding(path, two, "a block", "leave it out, or write geometry: nonlinear")
-    yield from _by_steps(run, what, inertia=True)
+    yield from _all_of_it(run, what, inertia=True)
 
 
-def _by_steps(run: Dynamic, what: str, *, inertia: bool = False) -> Iterator[Finding]:
-    """What moves by plain steps with its own inertia, or with more along it, all of it."""
+def _by_steps(run: Dynamic, what: str) -> Iterator[Finding]:
+    """What moves by plain steps with its own inertia, all of it."""
     if run.method in HIGH_ORDER:
         yield missing(("run", "method"), what, run.method, "use auto or verlet")
+    yield from _all_of_it(run, what)
+
+
+def _all_of_it(run: Dynamic, what: str, *, inertia: bool = False) -> Iterator[Finding]:
+    """What moves with its own inertia, all of it."""
     if run.window is not None:
         yield missing(("run", "window"), what, "a window", "leave it out")
     if run.axial_inertia != 1.0 and not inertia:

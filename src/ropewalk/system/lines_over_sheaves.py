@@ -32,8 +32,6 @@ def over_sheaves(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
             remedy = f"give joints.{wheel.to} a mass"
             feature = "a joint without mass that hangs on sheaves alone"
             yield missing(("lines", name, "sheaves", sheave, "to"), what, wheel.to, remedy, feature=feature)
-    if isinstance(run, Dynamic) and run.axial_inertia != 1.0:  # beside a sheave links turn, and steps are no longer
-        yield missing(("run", "axial_inertia"), what, f"{run.axial_inertia:g}", "leave axial_inertia out")
     if isinstance(run, Dynamic) and run.start.kind == "result":  # results do not hold where sheaves are that move
         for sheave, wheel in line.sheaves.items():
             if wheel.to is not None and not _ends_at(wheel.to, parts):

@@ -14,7 +14,7 @@ from typing import Any
 from ropewalk.model._base import Finding
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.law import Inextensible
-from ropewalk.model.load import RUBBING, AnyLoad, ExternalModel, GivenForces
+from ropewalk.model.load import RUBBING, AnyLoad, ExternalModel
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.missing import missing
 from ropewalk.model.pantograph import Pantograph
@@ -52,6 +52,10 @@ def first_damper(parts: Parts) -> str | None:
         return "lines that do not stretch"
     if parts.is_airy:
         return "wind"
+    if parts.runs_over_sheaves:
+        return "lines over sheaves, whose nodes pass"
+    if any(line is not None and line.hysteresis is not None for line in parts.lines.values()):
+        return "hysteresis"
     for part in (*parts.lines.values(), *parts.nets.values()):
         tree = {} if part is None else part.model_dump()
         restrained = {key: tree.pop(key, None) for key in ("start_support", "end_support", "supports", "edge")}
@@ -76,13 +80,12 @@ def first_damper(parts: Parts) -> str | None:
 
 
 def _not_smooth(parts: Parts) -> Iterator[tuple[str, str]]:
-    """Find what makes forces jump. Over sheaves nodes pass all of a sudden, and friction knows the slip before."""
-    if parts.runs_over_sheaves:
-        yield "lines over sheaves", "end the line at the sheave"
-    if parts.has_saddles:
-        yield "lines over saddles", "end the line at the saddle"
-    if parts.has_profile:  # splines of the third degree, and the ground that moves wheels
-        yield "a profile", "leave profile out"
+    """Find what makes forces jump, or depend on what their places were before."""
+    for name, line in parts.lines.items():
+        for saddle, own in line.saddles.items() if line is not None else ():
+            if own.friction:
+                what = f"dry friction on saddles ({name}.{saddle}), which jumps as nodes begin and end to slip,"
+                yield what, "give saddles no friction"
     if parts.has_hoists:  # springs that change in time
         yield "a payload whose rope is taken in", "leave hoist out"
     for line in parts.lines.values():
@@ -94,13 +97,6 @@ def _not_smooth(parts: Parts) -> Iterator[tuple[str, str]]:
             continue
         if isinstance(load, Footsteps | Walker | ExternalModel):
             yield "a load with a controller", "kind: force"
-        if isinstance(load, GivenForces) and parts.is_airy and load.travel.speed != 0.0:  # steps become ever shorter
-            yield "a force that moves along in wind", "leave wind_drag out"
-        line = parts.lines.get(load.on)
-        limp = line is not None and line.axial_damping and not line.bending_stiffness
-        sixth = isinstance(parts.run, Dynamic) and parts.run.method == "rkn6"
-        if sixth and limp and isinstance(load, GivenForces) and load.travel.speed != 0.0:  # the same
-            yield "a force that moves along a line with axial damping", "method: implicit"
         yield from _jumps(load)
 
 

@@ -76,7 +76,7 @@ def _states(moving: _Moving, t: float) -> Integers:
     for k, contact in enumerate(moving.contacts):
         if contact["state"] == GONE or contact["travel"] != PRESCRIBED:
             continue
-        way, U = _travelled(tables, contact, t)
+        way, U = travelled(tables, contact, t)
         s, length = contact["begin"] + way, float(lengths[contact["line"]])
         low = contact["margin"] if U < 0.0 else 0.0
         high = length - (contact["margin"] if U > 0.0 else 0.0)
@@ -87,7 +87,7 @@ def _states(moving: _Moving, t: float) -> Integers:
     return found
 
 
-def _travelled(tables: Tables, contact: Any, t: float) -> tuple[float, float]:
+def travelled(tables: Tables, contact: Any, t: float) -> tuple[float, float]:
     """What a contact has travelled up to a time t in s, m, and its speed then, m/s; as `travel.py` has it."""
     part = slice(int(contact["speed_first"]), int(contact["speed_first"] + contact["speed_count"]))
     time, value, path = tables.speed_time[part], tables.speed_value[part], tables.speed_path[part]

@@ -19,6 +19,7 @@ from ropewalk.results.stored import stored_instant, stored_stations
 from ropewalk.solve.mode_of_structure import mode_of
 from ropewalk.system.contact.contact_record import FREE
 from ropewalk.system.contact.travel import CLOSE, ROUNDS
+from ropewalk.system.elements.inertia import turn_passed
 from ropewalk.system.elements.sheaves_at_rest import run_over
 from ropewalk.system.elements.structure import Structure, SystemState
 from ropewalk.system.equilibrium.constrained import bring, ways
@@ -110,7 +111,9 @@ def _restore(structure: Structure, state: SystemState, start: Start, displayed: 
     state.r[:, displayed], state.v[:, displayed] = stored_instant(start, displayed.size, rest.shape[0])
     if structure.sheaves is not None:
         stations = stored_stations(start, structure.sheaves.node.size)
+        ends = structure.runs.first + structure.runs.links
         run_over(structure.sheaves, structure.runs, structure.lines, stations)
+        turn_passed(structure, ends)
     seen, away = set(displayed.tolist()), 0.0
     for e in range(restrained.mass.size):
         nodes = restrained.members(e)

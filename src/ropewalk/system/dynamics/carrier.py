@@ -128,7 +128,8 @@ class System(NamedTuple):
         }  # fmt: skip
         if self.structure.sheaves is not None:
             passed = arrays_of(self.structure.runs, "first", "links") | arrays_of(self.structure.lines, "begin")
-            found["sheaves"] = arrays_of(self.structure.sheaves, "ahead", "tension", "drive") | passed
+            own = arrays_of(self.structure.sheaves, "ahead", "tension", "drive")
+            found["sheaves"] = own | passed | arrays_of(self.structure.inertia, "along")
         return found
 
     def put(self, tree: Tree) -> None:

@@ -29,6 +29,7 @@ from ropewalk.solve.stages import Stages
 from ropewalk.system.contact.arrivals import next_change
 from ropewalk.system.contact.contact_record import ON
 from ropewalk.system.dynamics import motion
+from ropewalk.system.dynamics.at_sheaves import AtSheaves
 from ropewalk.system.dynamics.carrier import System
 from ropewalk.system.dynamics.kept_lengths import KeptLengths
 from ropewalk.system.dynamics.rates import Forces, Powers
@@ -86,19 +87,45 @@ class Implicit:
         self._past: tuple[float, float] | None = None  # s, at which what is watched has been seen above zero, and that
         self._forces = Forces(system, self._loaded)
         self._lengths = KeptLengths(system, self._potential, self._forces)
+        self._sheaves = AtSheaves(system)
         self._arrange()
 
     def to(self, end: float, watch: Callable[[], float] | None = None) -> int:
         """Go on to a time in s, or to where what is watched becomes positive; returns what has come of it."""
-        self._watch, self._seen, self._past = watch, False, None
-        while (found := next_change(self.system, end)) is not None:
-            status = self._go(found.before)
-            if status != motion.RUNNING or self._seen:
+        self._watch, self._seen, self._past = self._watching(watch), False, None
+        while True:
+            found = next_change(self.system, end)
+            status = self._go(end if found is None else found.before)
+            if status != motion.RUNNING:
+                return status
+            if self._seen:
+                if watch is not None and watch() > 0.0:
+                    return status
+                if (status := self._over_sheaves()) != motion.RUNNING:
+                    return status
+                self._seen, self._past = False, None
+                continue
+            if found is None:
                 return status
             self.memory[0] = min(self._first, float(self.memory[0]))
             if self._change(found.after):
                 return motion.AT_END
-        return self._go(end)
+
+    def _watching(self, watch: Callable[[], float] | None) -> Callable[[], float] | None:
+        """What is watched, with nodes and loads that come to sheaves."""
+        sheaves = self._sheaves
+        if not sheaves.any:
+            return watch
+        return lambda: max(sheaves.passed(), sheaves.stood(), -np.inf if watch is None else watch())
+
+    def _over_sheaves(self) -> int:
+        """Let nodes pass that have come to sheaves; returns what has come of it."""
+        if self._sheaves.stood() > 0.0:
+            return motion.AT_SHEAVE
+        passes = self._sheaves.let_pass()
+        self._potential.divide()
+        self.system.advance(0.0, motion.LOOK)
+        return motion.RUNNING if passes else motion.LINE_OUT
 
     def _change(self, t: float) -> bool:
         """Let contacts come, leave and stop at time t in s; returns whether one leaves that must not.
@@ -124,6 +151,8 @@ class Implicit:
         stays[: bodies.load.size] = bodies.gone[bodies.load] == 0
         begin = free.shape[1] - int(self._loaded.moves.sum())
         self._kept = np.concatenate([np.arange(begin), begin + np.flatnonzero(stays[self._loaded.moves])])
+        own = np.flatnonzero(self._kept >= free.shape[1] - int(self._loaded.moves[self._loaded.own :].sum()))
+        self._led = own  # places of given forces, which follow at once: no step begins with velocities of theirs
         none = sparse.csc_matrix((free.shape[0], self._lengths.count))  # multipliers move nothing
         self._free = sparse.hstack([free[:, self._kept], none], format="csc")
         alone = np.concatenate([np.zeros(self._kept.size), np.ones(self._lengths.count)])
@@ -131,6 +160,7 @@ class Implicit:
         self._gone = self._forces.taken()[1]  # m/s, of loads that are gone, which keep theirs
         self._gone[: self.system.state.r.size] = 0.0
         self._gone[np.unique(self._free.indices)] = 0.0
+        self._gone[self.system.state.r.size + self._forces.ground.coordinates] = 0.0  # which move as the ground does
         self._last: _Taken | None = None
         self._factored = 0.0
 
@@ -140,11 +170,14 @@ class Implicit:
         loaded.stand_as(self.system.state, self.system.contacts)
         loaded.contacts["speed"] = self.system.contacts["speed"]
         potential.arrange()
+        memory = self._forces.memory
+        potential.remember(self.system.buffers.lag, memory.softer, slips=memory.slips)
         shape, self._G = potential.taken(), self._lengths.linearise(kept)
         self._K, self._C, self._M = self._lengths.bordered(self._G, *(
             matrix[kept][:, kept].tocsc()
             for matrix in (potential.stiffness(shape), potential.damping(shape), potential.masses())
         ))  # fmt: skip
+        memory.recall()
         nothing = (self._K.diagonal() == 0.0) & (self._C.diagonal() == 0.0) & (self._M.diagonal() == 0.0)
         nothing[kept.size :] = False  # of contacts in the air, see `Forces.at`
         self._K = (self._K + sparse.diags(nothing.astype(np.float64))).tocsc()
@@ -168,9 +201,9 @@ class Implicit:
         """Go on to a time in s up to which no contact changes."""
         state = self.system.state
         begin = float(state.t[0])
+        self._forces.begin(min(float(self.memory[0]), end - begin), end)
         self._arrange()
         self._linearise()
-        self._forces.begin(min(float(self.memory[0]), end - begin), end)
         balance = self._balance()
         while (rest := end - float(state.t[0])) > _LEAST * (end - begin):
             wish = min(float(self.memory[0]), self._longest)
@@ -233,6 +266,7 @@ class Implicit:
         for weight, power in zip(self._method.A[-1], powers.at_stages(dt, self._method.D), strict=True):
             work += dt * weight * power
         state.work[:] += work
+        self._forces.memory.keep()
         force = powers.force
         if self._lengths.count or not self._quick:
             self._linearise()
@@ -307,5 +341,6 @@ class Implicit:
         """The embedded estimate of the error of a step, over what it may be."""
         V, controller, rate = self._method.D @ Z / dt, self._method.controller, abs(self._method.modes[0].value) / dt
         first, second = v - controller @ Z / dt, before - self._M @ (controller @ (V - v)) / dt
+        first[self._led] = 0.0
         found = self._factor(dt)[-1](second + rate * (self._M @ first) + self._C @ first)
         return float(np.abs(self._free @ found).max(initial=0.0)) / (LOCAL * self._accuracy)

@@ -475,9 +475,8 @@ def advance_by(structure, buffers, contacts, tables, bodies, state, table, out, 
             state.work[DRIVEN] += hoist(bodies, contacts, state, since)
             state.t[0] = begin + (step + (gone if stage < stages - 1 else 1.0)) * dt
             if exist(structure.sheaves):
-                runs_out = not pass_nodes(
-                    structure.sheaves, lines, runs, structure.nodes.mass, state.r, state.v, state.work
-                )
+                mass, inertia = structure.nodes.mass, structure.inertia
+                runs_out = not pass_nodes(structure.sheaves, lines, runs, mass, inertia, state.r, state.v, state.work)
         if stage == 0 and step % 64 == 0 and not _is_finite(state.r, state.v):
             return NOT_FINITE, stored
         if ends:

@@ -17,6 +17,8 @@ from ropewalk.mechanics.compiled import lean
 from ropewalk.system.contact.contact_record import BODY, FORCE, ON
 from ropewalk.system.dynamics import motion
 from ropewalk.system.dynamics.carrier import System
+from ropewalk.system.dynamics.memory import Memory
+from ropewalk.system.dynamics.rough_ground import RoughGround
 from ropewalk.system.elements.structure import CARRIED, DAMPED, IN_BODIES, LOADED, MOVED, RESTRAINED, STRUCK, WORKS
 from ropewalk.system.elements.surfaces import damp_surfaces
 from ropewalk.system.elements.ties import damp_ties
@@ -52,18 +54,30 @@ class Forces:
         rank = np.einsum("eaa->e", restrained.free)
         self._driven = np.flatnonzero((restrained.entries > 1) & (rank < 0.5))
         self._sprung = np.flatnonzero(restrained.stiffness.any(axis=(1, 2)) | restrained.damping.any(axis=(1, 2)))
-        self._damped_links = np.zeros(structure.nodes.mass.size)  # c of links, N s
-        self._h = np.ones(structure.nodes.mass.size)
-        for first, n, h, c in zip(
-            *(getattr(structure.runs, k) for k in ("first", "links", "h", "damping")), strict=True
-        ):
-            self._damped_links[first : first + n], self._h[first : first + n] = c, h
+        self._arrange()
+        self.memory, self.ground = Memory(system), RoughGround(system)
+        self._dragged = structure.nodes.mass * structure.nodes.drag  # kg/s, of all but what moves as prescribed
+        for e in self._driven.tolist():
+            self._dragged[restrained.members(e)] = 0.0
         groups = (structure.surfaces, structure.ties)
         self._has_dampers = any(group is not None and group.damped for group in groups)
         self._little, self._span = 0.0, (0.0, 0.0)
 
+    def _arrange(self) -> None:
+        """Take note of dampers of links, N s, and of their lengths, m; what sheaves divide is a link, too."""
+        structure = self.system.structure
+        runs, n = structure.runs, structure.nodes.mass.size
+        self._damped_links, self._h = np.zeros(n), np.ones(n)
+        over = set() if structure.sheaves is None else set(structure.sheaves.run.tolist())
+        for s, (first, links) in enumerate(zip(runs.first, runs.links, strict=True)):
+            part = slice(first, first + links + (s in over))
+            self._damped_links[part], self._h[part] = runs.damping[s], runs.h[s]
+
     def begin(self, dt: float, until: float) -> None:
         """Let strains be differenced as suits steps of about dt in s, from now until contacts change."""
+        self._arrange()
+        self.memory.begin()
+        self.ground = RoughGround(self.system)
         self._little, self._span = _LITTLE * dt, (float(self.system.state.t[0]), until)
 
     def _sides(self, t: float) -> tuple[tuple[float, float], ...]:
@@ -102,11 +116,13 @@ class Forces:
     def driven(self, t: float) -> Array:
         """Places of what moves as prescribed at time t in s, zero elsewhere."""
         none = np.zeros(self.system.state.r.size + self._loaded.weight.size)
+        none[self.system.state.r.size + self.ground.coordinates] = self.ground.moved(t)[0]
         return self._all_driven(none, [self._place(int(e), t) for e in self._driven])
 
     def driven_rates(self, t: float) -> Array:
         """The same of velocities."""
         none = np.zeros(self.system.state.r.size + self._loaded.weight.size)
+        none[self.system.state.r.size + self.ground.coordinates] = self.ground.moved(t)[1]
         return self._all_driven(none, [self._rate(int(e), t) for e in self._driven])
 
     def _look(self, t: float, shape: Array, rates: Array) -> None:
@@ -115,7 +131,10 @@ class Forces:
         state.t[0] = t
         state.r[:], state.v[:] = shape[:nodes].reshape(state.r.shape), rates[:nodes].reshape(state.r.shape)
         state.u[:], state.w[:] = shape[nodes : nodes + own], rates[nodes : nodes + own]
-        self.system.advance(0.0, motion.GIVEN)
+        if self.memory.any:
+            self.memory.look()
+        else:
+            self.system.advance(0.0, motion.GIVEN)
 
     def differenced(self, t: float, shape: Array, rates: Array, seen: Callable[[], Array]) -> Array:
         """Rate at time t in s of what is seen as everything goes on at these rates, per second."""
@@ -221,9 +240,9 @@ class Forces:
     def losses(self, t: float) -> Array:
         """Powers (work,) of what is audited, W, but for those of contacts, which depend on how they move."""
         structure, state, buffers = self.system.structure, self.system.state, self.system.buffers
-        nodes, restrained, power = structure.nodes, structure.restraints, np.zeros(WORKS)
+        restrained, power = structure.restraints, np.zeros(WORKS)
         power[DAMPED] = float((self._damped_links * self._h * buffers.rate**2).sum())
-        power[DAMPED] += float((nodes.mass * nodes.drag * state.v**2).sum())
+        power[DAMPED] += float((self._dragged * state.v**2).sum())
         if self._has_dampers:
             power[DAMPED] += self._damp(np.zeros_like(state.v))
         if structure.wind.direction.any():
@@ -240,6 +259,9 @@ class Forces:
         w = np.where(bodies.gone[bodies.load] == STAYS, state.w, 0.0) if bodies.load.size else state.w
         power[IN_BODIES] = float(w @ (self.C @ w))
         power[LOADED] += float(w @ pushes_at(bodies, t))
+        if (on := self.ground.coordinates).size:
+            bears = bodies.mass[on] * self.ground.moved(t)[2] - self._on_bodies()[on]
+            power[RESTRAINED] += float(bears @ state.w[on])
         for tether, way, _, damper in self.tethers():
             below, above = int(tether["first"]), int(self.system.contacts[tether["contact"]]["first"])
             axes = state.r.shape[0]

@@ -148,7 +148,7 @@ def _of_lines(structure: Structure, r: Array, rest: Array | None = None) -> list
             square, rate = square + float(around[part].max()), rate + float(viscous[part].max())
             around[part] = 0.0
         found.append((square, rate))
-    found.extend(_at_sheaves(structure, r))
+    found.extend(_at_sheaves(structure, r, eased, rest is not None))
     return found + [(float(k), float(c)) for k, c in zip(around, viscous, strict=True)]
 
 
@@ -226,7 +226,7 @@ def _of_rope(haul: Any, carriage: float) -> tuple[float, float]:
     return square, damps * light
 
 
-def _at_sheaves(structure: Structure, r: Array) -> Iterator[tuple[float, float]]:
+def _at_sheaves(structure: Structure, r: Array, eased: Array | None, known: bool) -> Iterator[tuple[float, float]]:
     """Bounds of squares of frequencies, 1/s^2, and of rates, 1/s, beside sheaves and of what these hang on.
 
     The stiffness k of the link over a sheave acts on how much the ways to it are longer together, c u with c of
@@ -253,8 +253,12 @@ def _at_sheaves(structure: Structure, r: Array) -> Iterator[tuple[float, float]]
             else np.inf
         )
         x = np.geomspace(1.01, 1e4, 400)  # of the sheave
-        square = np.maximum((2.0 * k + 2.0 * own / (1.0 - 1.0 / x)) / m, 4.0 * own * x / M)
-        yield float(square.min()), 4.0 * float(runs.damping[s]) / (m * h)
+        less, pull = 1.0, 0.0
+        if eased is not None:  # nodes beside it are heavier along their lines
+            less = min(float(eased[[e - 1, e + 1]].max()) + (0.0 if known else _TURNED), 1.0)
+            pull = taut * _ARCS / h
+        square = np.maximum((2.0 * pull + less * (2.0 * k + 2.0 * own / (1.0 - 1.0 / x))) / m, 4.0 * own * x / M)
+        yield float(square.min()), 4.0 * less * float(runs.damping[s]) / (m * h)
 
 
 def waves_of(structure: Structure, contacts: Any, s: int) -> float:

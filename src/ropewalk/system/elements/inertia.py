@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ropewalk.mechanics.chain import Array
+from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import lean_inner
 from ropewalk.results.frame import RunInfo
 from ropewalk.system.elements.structure import Inertia, Structure
@@ -51,10 +51,28 @@ def stiffer(structure: Structure, r: Array, rest: Array) -> Array:
         rest: (axis, node) m, by which they are heavier.
     """
     factor, along = structure.inertia.factor, tangents(structure, rest)
+    if structure.sheaves is not None:  # nodes that have passed are heavier along the line beyond
+        along = np.where((structure.inertia.along != 0.0).any(axis=0), structure.inertia.along, along)
     way = np.diff(r, axis=1, append=r[:, -1:])
     way = np.divide(way, np.linalg.norm(way, axis=0), out=np.zeros_like(way), where=np.any(way != 0.0, axis=0))
     ends = [1.0 - (1.0 - 1.0 / factor) * (way * one).sum(axis=0) ** 2 for one in (along, np.roll(along, -1, axis=1))]
     return np.asarray(0.5 * (ends[0] + ends[1]))
+
+
+def turn_passed(structure: Structure, ends: Integers) -> None:
+    """Let nodes that have passed sheaves be heavier along the line beyond, as each was that passed before.
+
+    Args:
+        structure: whose.
+        ends: (run,) last nodes of runs before.
+    """
+    along, runs = structure.inertia.along, structure.runs
+    if structure.sheaves is None or not along.size:
+        return
+    for s in structure.sheaves.run.tolist():
+        was, now = int(ends[s]), int(runs.first[s] + runs.links[s])
+        along[:, now + 1 : was + 1] = along[:, [was + 1]]
+        along[:, was + 1 : now + 1] = along[:, [was]]
 
 
 def remark_inertia(run_info: RunInfo, factor: float, structure: Structure, rest: Array, line: Sequence[str]) -> None:
@@ -71,19 +89,34 @@ def remark_inertia(run_info: RunInfo, factor: float, structure: Structure, rest:
         f"run.axial_inertia of {factor:g} lets waves along lines run {factor**0.5:.3g} times slower than they do: "
         "tensions spread so late"
     )
-    if structure.saddles is not None:
-        run_info.warnings.append(f"run.axial_inertia makes what slides over saddles {factor:g} times as heavy in that")
+    for bodies, found in (("saddles", structure.saddles), ("sheaves", structure.sheaves)):
+        if found is not None:
+            run_info.warnings.append(f"run.axial_inertia makes what slides over {bodies} {factor:g} times as heavy so")
     runs, along = structure.runs, tangents(structure, rest)
     for name in dict.fromkeys(line):
         own = [s for s, other in enumerate(line) if other == name]
-        nodes = np.concatenate([np.arange(runs.first[s], runs.first[s] + runs.links[s] + 1) for s in own])
-        chord = rest[:, nodes[-1]] - rest[:, nodes[0]]
-        square = 1.0 - float((((chord / np.linalg.norm(chord)) @ along[:, nodes]) ** 2).mean())
-        if (more := (factor - 1.0) * square) > MUCH:
+        nodes = [np.arange(runs.first[s], runs.first[s] + runs.links[s] + 1) for s in own]
+        parts = nodes if structure.sheaves is not None else [np.concatenate(nodes)]  # chords end at sheaves
+        if (more := (factor - 1.0) * _across(rest, along, parts)) > MUCH:
             run_info.doubt(
                 f"{name} rests so far off its chord that what swings across that has {100.0 * more:.2g} % more inertia",
                 "motion of a line that sags is along it, too", "run.axial_inertia", "leave axial_inertia out",
             )  # fmt: skip
+
+
+def _across(rest: Array, along: Array, parts: Sequence[Integers]) -> float:
+    """Mean square of what tangents of nodes have across the chord of their part of a line.
+
+    Args:
+        rest: (axis, node) m.
+        along: (axis, node) tangents.
+        parts: nodes of each.
+    """
+    total = 0.0
+    for nodes in parts:
+        chord = rest[:, nodes[-1]] - rest[:, nodes[0]]
+        total += nodes.size - float((((chord / np.linalg.norm(chord)) @ along[:, nodes]) ** 2).sum())
+    return total / sum(nodes.size for nodes in parts)
 
 
 @lean_inner

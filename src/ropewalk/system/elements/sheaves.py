@@ -326,11 +326,30 @@ def _shift(sheaves, lines, runs, q, way):
 
 
 @lean_inner
-def pass_nodes(sheaves, lines, runs, mass, r, v, work):
+def _turn_inertia(inertia, near, beyond, v, was, square, turned):
+    """Let a node that passes be heavier along the line beyond; returns v^2 before and after with what that adds.
+
+    Args:
+        was: m/s, along its line before.
+    """
+    ends, now = True, 0.0
+    for a in range(v.shape[0]):
+        ends = ends and inertia.along[a, beyond] == 0.0
+    for a in range(v.shape[0]):
+        if not ends:  # the end of a line, which has no way of its own
+            inertia.along[a, near] = inertia.along[a, beyond]
+        now += inertia.along[a, near] * v[a, near]
+    more = inertia.factor - 1.0
+    return square + more * was * was, turned + more * now * now
+
+
+@lean_inner
+def pass_nodes(sheaves, lines, runs, mass, inertia, r, v, work):
     """Let nodes that have come to a sheave pass to its other side; what that takes goes to `work`.
 
-    A node keeps its speed along the line and takes the direction of the piece beyond. Arcs do not reach over a sheave:
-    there are others beside it then.
+    A node takes the direction of the piece beyond: its velocity turns from that behind, so that speeds along the line
+    and across it stay. What it is heavier by along its line (`inertia.py`) turns to where the node before it has that.
+    Arcs do not reach over a sheave: there are others beside it then.
 
     Returns:
         False where a line has come to its end, or to another sheave.
@@ -354,14 +373,23 @@ def pass_nodes(sheaves, lines, runs, mass, r, v, work):
             low = max(e - AROUND, runs.first[run])
             high = min(e + AROUND, runs.first[run + 1] + runs.links[run + 1] - 1)
             length, away = _distance(r, far, near), _distance(r, b, beyond)
-            over, along, square, turned = passed / length, 0.0, 0.0, 0.0
+            over, along, ahead, turn, square, turned, was = passed / length, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0
             for a in range(r.shape[0]):
-                along += (v[a, near] - v[a, b]) * (r[a, near] - r[a, far]) / length
+                one, other = (r[a, near] - r[a, far]) / length, (r[a, beyond] - r[a, b]) / away
+                along += (v[a, near] - v[a, b]) * one
+                ahead += (v[a, near] - v[a, b]) * other
+                turn += one * other
             for a in range(r.shape[0]):
+                one, other = (r[a, near] - r[a, far]) / length, (r[a, beyond] - r[a, b]) / away
                 square += v[a, near] * v[a, near]
-                v[a, near] += along * ((r[a, beyond] - r[a, b]) / away - (r[a, near] - r[a, far]) / length)
+                if inertia.along.shape[1] > 0:
+                    was += inertia.along[a, near] * v[a, near]
+                v[a, near] += 2.0 * along * other - (along + ahead) / max(turn, CLOSEST) * (one + other)
                 turned += v[a, near] * v[a, near]
+            for a in range(r.shape[0]):
                 r[a, near] = r[a, b]
+            if inertia.along.shape[1] > 0:
+                square, turned = _turn_inertia(inertia, near, beyond, v, was, square, turned)
             before = _stored_around(sheaves, runs, r, q, low, high)
             _shift(sheaves, lines, runs, q, way)
             after = _stored_around(sheaves, runs, r, q, low, high)
@@ -376,6 +404,6 @@ def pass_nodes(sheaves, lines, runs, mass, r, v, work):
 
 
 @lean
-def pass_nodes_entry(sheaves, lines, runs, mass, r, v, work):
+def pass_nodes_entry(sheaves, lines, runs, mass, inertia, r, v, work):
     """`pass_nodes` as Python calls it."""
-    return pass_nodes(sheaves, lines, runs, mass, r, v, work)
+    return pass_nodes(sheaves, lines, runs, mass, inertia, r, v, work)

@@ -38,7 +38,7 @@ class LaggingPotential(SystemPotential):
         for s in np.flatnonzero(runs.hysteresis[:, 0] > 0.0):
             part, p, h = slice(runs.first[s], runs.first[s] + runs.links[s]), runs.hysteresis[s], float(runs.h[s])
             strain, kept = self.buffers.strain[part], self.buffers.lag[0, part]
-            q = _bounds(p, strain) - kept
+            q = bounds(p, strain) - kept
             lengths = np.full(strain.size, h)
             total += float(law.stored_total(p[1:], np.maximum(strain, 0.0), lengths))
             total -= h * float((0.5 * q * q / p[0] + kept * strain).sum())
@@ -65,7 +65,7 @@ def settle_after(potential: SystemPotential, settle: Callable[[Array], Array], s
         for s in np.flatnonzero(runs.hysteresis[:, 0] > 0.0):
             part = slice(runs.first[s], runs.first[s] + runs.links[s])
             strain, p = potential.buffers.strain[part], runs.hysteresis[s]
-            wanted, slope = _kept(p, strain, before[:, part])
+            wanted, slope = kept(p, strain, before[:, part])
             missing = wanted - lag[0, part]
             stiff = law.tangents(runs.law[s], strain)
             gain = np.divide(stiff, stiff - slope, out=np.ones_like(stiff), where=stiff - slope > stiff / _FARTHEST)
@@ -77,15 +77,15 @@ def settle_after(potential: SystemPotential, settle: Callable[[Array], Array], s
     raise EquilibriumError("hysteresis finds no rest next to the one before: ask for more positions")
 
 
-def _kept(p: Array, strain: Array, before: Array) -> tuple[Array, Array]:
+def kept(p: Array, strain: Array, before: Array) -> tuple[Array, Array]:
     """What links keep in mind at strains after (s, e) before, N, and how it changes with the strain, N."""
-    most, past = _bounds(p, strain), _bounds(p, before[1])
+    most, past = bounds(p, strain), bounds(p, before[1])
     rise = np.where(strain > 0.0, law.tangents(p[1:], np.maximum(strain, 0.0)), 0.0)
     q = past - before[0] + p[0] * (strain - before[1])
     slope = np.where(q > most, 0.0, np.where(q < -most, 2.0 * rise, rise - p[0]))
     return most - np.clip(q, -most, most), slope
 
 
-def _bounds(p: Array, strain: Array) -> Array:
+def bounds(p: Array, strain: Array) -> Array:
     """Half of what unloading differs from loading by at strains, N."""
     return np.asarray(np.maximum(law.tensions(p[1:], np.maximum(strain, 0.0)), 0.0))

@@ -130,6 +130,7 @@ class SystemPotential:
         self.buffers, self.table, self._out = Buffers.of(structure, self.axes), compliances(part=part), np.zeros(4)
         self.blown = np.zeros((self.axes, n))  # N, of the wind
         self._stiff = np.zeros(0), sparse.csc_matrix((0, 0))  # a shape and the stiffness found last
+        self._softer = np.zeros(n)  # N, by which links are softer than by their laws
         restrained = structure.restraints
         moves = np.ones(n, dtype=np.bool_)
         moves[restrained.node] = False
@@ -152,10 +153,10 @@ class SystemPotential:
             self._nodes_free = (self._nodes_free + laid @ self._nodes_free).tocsc()
         if structure.is_linearised and structure.saddles is not None:
             self._nodes_free = structure.saddles.sticking(self._nodes_free, structure.about.shape[0])
-        self._divide()
+        self.divide()
         self.arrange()
 
-    def _divide(self) -> None:
+    def divide(self) -> None:
         """Take note of which nodes are those of which run."""
         self._forms = LinkForms.of(self.structure, self.axes, self.loaded.weight.size)
 
@@ -172,6 +173,10 @@ class SystemPotential:
             r = shape[: self.loaded.rest.size].reshape(self.loaded.rest.shape)
             self._nodes_free = self.structure.saddles.sticking(self._nodes_free, r)
             self.arrange()
+
+    def remember(self, lag: Array, softer: Array, *, slips: bool) -> None:
+        """Let links be let off, (2, node) N, and be softer, (node,) N; and lines slip over sheaves that rub, or not."""
+        self.buffers.lag[:], self._softer[:], self.how = lag, softer, SLIPS if slips else LITTLE
 
     def put(self, shape: Array) -> tuple[Array, Array]:
         """Put everything into a shape; gives places of the nodes (axis, node) and coordinates of loads."""
@@ -246,7 +251,7 @@ class SystemPotential:
             if runs.law[s, 0] == law.RIGID:  # what its tension changes by is an unknown of its own
                 slope[part] = runs.h[s] * tension[part] / length[part]
             else:
-                slope[part] = law.tangents(runs.law[s], strain[part])
+                slope[part] = law.tangents(runs.law[s], strain[part]) - self._softer[part]
             part, cube = slice(first, first + links + 1), runs.h[s] ** 3
             segments = self.structure.segments
             EI[part] = (runs.bending[s] if segments is None else segments.bending[part]) / cube
@@ -468,12 +473,19 @@ class SystemPotential:
         before, r = runs.links.copy(), self.put(shape)[0]
         push_over(sheaves, runs, r)
         if not pass_nodes_entry(
-            sheaves, structure.lines, runs, structure.nodes.mass, r, np.zeros_like(r), np.zeros(WORKS)
+            sheaves,
+            structure.lines,
+            runs,
+            structure.nodes.mass,
+            structure.inertia,
+            r,
+            np.zeros_like(r),
+            np.zeros(WORKS),
         ):
             raise EquilibriumError("a line runs over a sheave up to its end, or to the next sheave; make it longer")
         passed = bool((before != runs.links).any())
         if passed:
-            self._divide()
+            self.divide()
         return self.taken(), passed
 
     def approaches(self, start: Array, way: Way) -> Iterator[Array]:

@@ -271,16 +271,12 @@ class Superposed:
                 level = self._linear.runs.ahead[contact["run"]]
                 contact["hold"] = level @ (moment.force[k] - contact["given"][:dim])
         buffers, v = potential.buffers, moment.velocity.reshape(r.shape)
-<<<<<<< HEAD
         later = self._strains_of_damped(shape, moment.velocity)
         if self._linear.taut is not None:  # tensions of lines that do not stretch are nobody's to find but `kept`
             buffers.tension[:] = self._linear.taut
         potential.forces(shape)
         viscous = self._damping if later is None else self._damping * (later - buffers.strain)
-        inertia, forces = self._still.mass * moment.acceleration, self._still.forces(x, moment.velocity)
-=======
         inertia, forces = self._still.mass * moment.acceleration, self._still.forces(x, moment.velocity, moment.gusts)
->>>>>>> work-linwind
         forces = forces + self._still.handed(self._pressed(touch, moment.force)) - inertia
         pulled, forces = self._still.kept(forces)
         buffers.tension[:] += pulled + viscous

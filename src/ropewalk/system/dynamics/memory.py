@@ -1,0 +1,109 @@
+"""What links with hysteresis and lines over sheaves keep in mind from step to step of an implicit method.
+
+Forces of both are functions of what has gone before, whatever the speed: of how far a link has been let off
+(`hysteresis.py`) and of how much line is behind a sheave (`sheaves.py`). At each stage they follow from the beginning
+of the step, as if everything went straight on from there, which is exact but where loading turns into unloading, or
+slip begins, within the step: forces bend there, and what is kept in mind misses the square of the step. So the order is
+the second one in the end, whatever that of the method.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ropewalk.mechanics.chain import Array
+from ropewalk.system.dynamics import motion
+from ropewalk.system.dynamics.carrier import System
+from ropewalk.system.elements.structure import LAGGED, RUBBED
+from ropewalk.system.equilibrium.slow_hysteresis import bounds, kept
+
+# Rounds in which what links keep in mind and the kinks that it makes find each other, and the part of it to which.
+_ROUNDS, _FOUND = 20, 1e-13
+
+
+class Memory:
+    """What is kept in mind of the beginning of a step.
+
+    Args:
+        system: what moves.
+    """
+
+    def __init__(self, system: System) -> None:
+        self._system, runs = system, system.structure.runs
+        self._lagging: list[int] = np.flatnonzero(runs.hysteresis[:, 0] > 0.0).tolist()
+        self._lag = system.buffers.lag.copy()
+        self.softer = np.zeros(self._lag.shape[1])  # N, by which links are softer than where they are loaded
+        sheaves = system.structure.sheaves
+        self._sheaves = None if sheaves is None or system.structure.is_linearised else sheaves
+        self._behind = (
+            np.zeros((2, 0)) if self._sheaves is None else np.stack([self._sheaves.ahead, self._sheaves.drive])
+        )
+        self.slips = False
+
+    @property
+    def any(self) -> bool:
+        """Whether there is anything to keep in mind."""
+        return bool(self._lagging) or self._sheaves is not None
+
+    def begin(self) -> None:
+        """Keep in mind what is there now, as it came about at once."""
+        self._lag[:], self.slips = self._system.buffers.lag, False
+        if self._sheaves is not None:
+            self._behind[:] = self._sheaves.ahead, self._sheaves.drive
+        self._soften()
+
+    def recall(self) -> None:
+        """Let lines be over their sheaves as at the beginning of the step."""
+        if self._sheaves is not None:
+            self._sheaves.ahead[:], self._sheaves.drive[:] = self._behind
+
+    def look(self) -> None:
+        """Find all forces at the places of now, as they follow from the beginning of the step."""
+        work = self._system.state.work.copy()
+        for _ in range(_ROUNDS):
+            self.recall()
+            self._system.advance(0.0, motion.GIVEN)
+            if not self._let_off():
+                break
+        self._system.state.work[:] = work
+
+    def _let_off(self) -> bool:
+        """Let links be let off as their strains are; returns whether that changes what they pull with."""
+        buffers, changed = self._system.buffers, False
+        for s in self._lagging:
+            part = self._links(s)
+            was, now = buffers.lag[0, part], self._kept(s)[0]
+            most = float(np.abs(buffers.tension[part]).max() + np.abs(now).max())
+            changed = changed or float(np.abs(now - was).max()) > _FOUND * most
+            buffers.lag[0, part] = now
+        return changed
+
+    def keep(self) -> None:
+        """Begin the next step where everything is now; what has been lost goes to the works."""
+        state, buffers, runs = self._system.state, self._system.buffers, self._system.structure.runs
+        self._soften()
+        for s in self._lagging:
+            part, p = self._links(s), runs.hysteresis[s]
+            strain = buffers.strain[part]
+            before, q = bounds(p, self._lag[1, part]) - self._lag[0, part], bounds(p, strain) - buffers.lag[0, part]
+            gone = strain - self._lag[1, part] - (q - before) / p[0]
+            state.work[LAGGED] += float(runs.h[s] * (0.5 * (before + q) * gone).sum())
+            self._lag[:, part] = buffers.lag[0, part], strain
+        if self._sheaves is not None:
+            slipped, drive = self._sheaves.ahead - self._behind[0], 0.5 * (self._sheaves.drive + self._behind[1])
+            rubs = self._sheaves.friction > 0.0
+            self.slips = bool((slipped[rubs] != 0.0).any())
+            state.work[RUBBED] += float((drive * slipped)[rubs].sum())
+            self._behind[:] = self._sheaves.ahead, self._sheaves.drive
+
+    def _links(self, s: int) -> slice:
+        runs = self._system.structure.runs
+        return slice(int(runs.first[s]), int(runs.first[s] + runs.links[s]))
+
+    def _kept(self, s: int) -> tuple[Array, Array]:
+        part, runs = self._links(s), self._system.structure.runs
+        return kept(runs.hysteresis[s], self._system.buffers.strain[part], self._lag[:, part])
+
+    def _soften(self) -> None:
+        for s in self._lagging:
+            self.softer[self._links(s)] = self._kept(s)[1]
