@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -69,7 +70,8 @@ class ManyStates:
     @staticmethod
     def now(state: ChainState, bodies: Bodies | None) -> ManyStates:
         """The present state alone."""
-        t, *others = (array.copy()[None] for array in state)
+        now: list[Any] = [array.copy()[None] for array in state]
+        t, *others = now
         present = None if bodies is None else ManyBodies.now(bodies, state.r.shape[0])
         return ManyStates(t[:, 0], *others, bodies=present)
 
