@@ -73,7 +73,7 @@ class ManyStates:
         now: list[Any] = [array.copy()[None] for array in state]
         t, *others = now
         present = None if bodies is None else ManyBodies.now(bodies, state.r.shape[0])
-        return ManyStates(t[:, 0], *others, bodies=present)
+        return replace(ManyStates(t[:, 0], *others), bodies=present)
 
     def at(self, i: int) -> ChainState:
         """One of them."""

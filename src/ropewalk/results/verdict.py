@@ -19,6 +19,7 @@ from ropewalk.results.hanging import HangingWatch
 from ropewalk.results.lost_contact import LostContactWatch
 from ropewalk.results.peaks import beside, lonely, missed, sharp
 from ropewalk.results.pushing import PushWatch
+from ropewalk.results.roof_springs import stiff_below
 from ropewalk.results.strength import StrengthWatch
 
 if TYPE_CHECKING:
@@ -272,6 +273,7 @@ class Watch:
 
     def _diagnostics(self, force: Array) -> Iterator[str]:
         yield from started_too_close(self.scenario)
+        yield from stiff_below(self.scenario)
         yield from self._between_instants()
         yield from self._pushing.messages()
         yield from self._over_ground.messages()
