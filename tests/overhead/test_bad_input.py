@@ -64,12 +64,6 @@ def said(*settings: str) -> str:
             [f"{LOAD}irregularity: the file cannot be read", "missing.csv (No such file or directory)",
              "name a text file beside the scenario"],
         ),
-        (
-            ["run.window=100 m", "run.geometry=nonlinear",
-             f"{LINE}stitch_wire={{length: 12 m, tension: 2 kN}}"],
-            ["run.window: a window with geometry: nonlinear is not implemented for overhead lines with stitch wires, "
-             "given 100 m; write geometry: linearised, or leave window out"],
-        ),
     ],
 )  # fmt: skip
 def test_settings_that_cannot_be_are_refused(settings: list[str], parts: list[str]) -> None:

@@ -167,6 +167,6 @@ def test_payloads_sway_and_pull_at_their_ropes():
 
 def test_ropes_of_payloads_are_as_stiff_here_as_in_the_motion():
     from ropewalk.mechanics.multibody_system import STRETCH as moving
-    from ropewalk.results.payload_statistics import STRETCH
+    from ropewalk.results.hanging import STRETCH
 
     assert moving == STRETCH

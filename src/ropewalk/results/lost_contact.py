@@ -45,14 +45,15 @@ class LostContactWatch:
         force = frames.of["contact_force"][..., -1] - np.nan_to_num(frames.of["hold_force"][..., -1])
         for k in self._contacts:
             up = np.nan_to_num(force[:, k])
-            self._push[k], self._pull[k] = max(self._push[k], -up.min()), max(self._pull[k], up.max())
-            if np.isinf(self._since[k]) and (pulls := up > _MUCH * self._push[k]).any():
+            push = np.maximum(np.maximum.accumulate(-up), self._push[k])  # up to each instant
+            self._push[k], self._pull[k] = push[-1], max(self._pull[k], up.max())
+            if np.isinf(self._since[k]) and (pulls := (up > _MUCH * push) & (push > 0.0)).any():
                 self._since[k] = float(frames.path[pulls.argmax()])
 
     def messages(self) -> Iterator[str]:
         """The loads that pull, when they begin to, and with what at most."""
         for k in self._contacts:
-            if self._pull[k] > _MUCH * self._push[k] > 0.0:
+            if self._pull[k] > _MUCH * self._push[k] > 0.0 and np.isfinite(self._since[k]):
                 load, when = self._on[k], f"from t = {self._since[k]:.4g} s on"
                 assert load is not None
                 yield (

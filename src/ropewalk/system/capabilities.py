@@ -179,7 +179,7 @@ def _of_hysteresis(name: str, line: Line, run: object) -> Iterator[Finding]:
         yield missing(path, "runs that begin from a result", "a block", "start at rest", feature="hysteresis")
     if run.geometry == "linearised":
         yield Finding(path, two, "a block", "leave it out, or write geometry: nonlinear")
-    yield from _all_of_it(run, what, inertia=True)
+    yield from () if run.geometry == "linearised" else _all_of_it(run, what, inertia=True)
 
 
 def _by_steps(run: Dynamic, what: str) -> Iterator[Finding]:
