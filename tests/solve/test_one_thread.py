@@ -11,6 +11,7 @@ from scipy import sparse
 from threadpoolctl import ThreadpoolController
 
 from ropewalk.solve.free_vibration import lowest
+from ropewalk.solve.modal import _coupled
 from ropewalk.solve.one_thread import one_thread
 from ropewalk.solve.symmetric import Solver, modes
 
@@ -45,9 +46,10 @@ def test_it_lasts_as_long_as_it_is_asked_for() -> None:
     [
         ("cholesky_banded", lambda: Solver(chain(40), "band").factorise(chain(40))),
         ("eigh", lambda: modes(chain(12), np.ones(12), 3)),
+        ("eig", lambda: _coupled(np.array([1.0, 2.0]), np.full((2, 2), 0.1), np.zeros((2, 2)))),
         ("eigh", lambda: lowest(chain(12), chain(12) @ chain(12), 3)),
     ],
-    ids=["band", "modes", "modes of two matrices"],
+    ids=["band", "modes", "damped modes", "modes of two matrices"],
 )
 def test_factorisations_and_modes_take_one(name: str, call: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     seen, computed = list[set[int]](), getattr(scipy.linalg, name)

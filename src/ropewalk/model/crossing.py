@@ -12,6 +12,7 @@ from ropewalk.model.course import course, first_at_most
 from ropewalk.model.history import SpeedTable
 from ropewalk.model.parts import Parts
 from ropewalk.model.places import margin, reach
+from ropewalk.model.travel import FreeTravel
 from ropewalk.model.until import CROSSING, Crossing
 
 
@@ -47,7 +48,7 @@ def _arrivals(parts: Parts) -> Iterator[tuple[str, float | None]]:
     """Name of each load that travels as prescribed, and when all of it is at the end of its line or beyond, s."""
     for name, load, _, line in parts.complete():
         travel: Any = getattr(load, "travel", None)
-        if travel is None or getattr(travel, "kind", "") == "free" or callable(travel.speed):
+        if travel is None or isinstance(travel, FreeTravel) or callable(travel.speed):
             continue
         speed = travel.speed
         limit = reach(line, travel.measured)

@@ -13,7 +13,7 @@ from ropewalk.mechanics.travelled import Travelled
 from ropewalk.model.trolley import Trolley
 from ropewalk.results.frame import Array, Layout
 from ropewalk.results.frames import Frames
-from ropewalk.results.peaks import missed, sharp
+from ropewalk.results.peaks import sharp, too_far_apart
 
 if TYPE_CHECKING:
     from ropewalk.model import Scenario
@@ -56,12 +56,7 @@ class HangingWatch:
             pull = pull_of(self._scenario, load, np.array(span).reshape(path.size, self._axes), path)
             if pull is None or (i := sharp(np.nan_to_num(pull))) is None:
                 continue
-            yield (
-                f"the largest pull of payload {load}, {pull[i]:.4g} N at t = {path[i]:.4g} s, is a peak that output "
-                f"instants are too far apart for: it is {pull[i - 1]:.4g} N {path[i] - path[i - 1]:.3g} s before and "
-                f"{pull[i + 1]:.4g} N after; the true one may be larger by {100.0 * missed(pull, i):.2g} % or more; "
-                "write a smaller run.every"
-            )
+            yield too_far_apart(f"the largest pull of payload {load}", pull, path, i)
 
 
 def pull_of(scenario: Scenario | None, load: str, span: Array, path: Array) -> Array | None:

@@ -52,6 +52,22 @@ def missed(values: Array, i: int) -> float:
     return float(0.25 * (values[i] - 0.5 * (values[i - 1] + values[i + 1])) / values[i])
 
 
+def too_far_apart(what: str, values: Array, instants: Array, i: int) -> str:
+    """Say that the largest of values, in N, is a peak that output instants, in s, are too far apart for.
+
+    Args:
+        what: it is.
+        values: (instant,) N.
+        instants: (instant,) s.
+        i: its index, see `sharp`.
+    """
+    return (
+        f"{what}, {values[i]:.4g} N at t = {instants[i]:.4g} s, is a peak that output instants are too far apart for: "
+        f"it is {values[i - 1]:.4g} N {instants[i] - instants[i - 1]:.3g} s before and {values[i + 1]:.4g} N after; "
+        f"the true one may be larger by {100.0 * missed(values, i):.2g} % or more; write a smaller run.every"
+    )
+
+
 def beside(values: Array, i: int) -> float:
     """The larger one of the values before and after an inner one, zero where there are none."""
     return float(np.nan_to_num(values[[i - 1, i + 1]]).max())

@@ -17,7 +17,7 @@ from ropewalk.results.frames import Frames
 from ropewalk.results.ground import GroundWatch
 from ropewalk.results.hanging import HangingWatch
 from ropewalk.results.lost_contact import LostContactWatch
-from ropewalk.results.peaks import beside, lonely, missed, sharp
+from ropewalk.results.peaks import beside, lonely, missed, sharp, too_far_apart
 from ropewalk.results.pushing import PushWatch
 from ropewalk.results.roof_springs import stiff_below
 from ropewalk.results.strength import StrengthWatch
@@ -312,14 +312,8 @@ class Watch:
             if (i := sharp(values)) is not None and values[i] > _COUNTS * pull.max():
                 found.append((missed(values, i), i, line))
         if found:
-            more, i, line = max(found)
-            before, here, after = pull[i - 1 : i + 2, line]
-            when, apart = self._times[i], self._times[i] - self._times[i - 1]
-            yield (
-                f"the largest tension of {self._lines[line]}, {here:.4g} N at t = {when:.4g} s, is a peak that output "
-                f"instants are too far apart for: it is {before:.4g} N {apart:.3g} s before and {after:.4g} N after; "
-                f"the true one may be larger by {100.0 * more:.2g} % or more; write a smaller run.every"
-            )
+            _, i, line = max(found)
+            yield too_far_apart(f"the largest tension of {self._lines[line]}", pull[:, line], np.array(self._times), i)
 
     def _presses_at_once(self, force: Array, name: str) -> bool:
         """Whether the contacts of a load press, in all, at t = 0 with a good part of what they press with at most."""

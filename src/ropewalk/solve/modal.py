@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from ropewalk.errors import EquilibriumError, RopewalkError
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.solve.free_vibration import lowest
+from ropewalk.solve.one_thread import one_thread
 from ropewalk.solve.radau_iia import C as STAGES
 from ropewalk.solve.symmetric import Solver
 
@@ -158,6 +159,7 @@ def alone(w: Array, damping: Array) -> tuple[Complex, Integers, Complex]:
     return rate, np.append(np.arange(w.size), last), np.append(own, -own[last])
 
 
+@one_thread()
 def _coupled(w: Array, D: Array, S: Array) -> tuple[Complex, Complex, Complex]:
     """Modes of the first-order equations, (w q)' = w q', q'' = -w (w q) - S q - D q' + f.
 
