@@ -30,7 +30,7 @@ ELSEWHERE ?= --ignore-glob='tests/mechanics/test_kernel_*.py' --ignore=tests/mec
 .DELETE_ON_ERROR:
 STUDIO := src/ropewalk/studio/page
 .PHONY: docs release studio studio-packages studio-front studio-check help demo warm-up test test-elsewhere lint types figures bench peers fuzz \
-  kills kills-cluster matrix clean clean-cache
+  kills kills-cluster interrupts matrix clean clean-cache
 
 help:
 	@echo "make demo         set up, run examples/$(DEMO).yaml, draw out/$(DEMO).png and .gif"
@@ -45,6 +45,7 @@ help:
 	@echo "make fuzz         spoilt scenario files for SECONDS (an hour) from a SEED (0)"
 	@echo "make kills        COUNT (200) commands killed at any moment, and taken up again"
 	@echo "make kills-cluster  COUNT (200) kills of workers, scheduler and command of sweeps on a Dask cluster"
+	@echo "make interrupts COUNT (100) commands of all kinds interrupted at any moment, set-up included: how soon they end"
 	@echo "make matrix       what works on what: thousands of short runs, into docs/capabilities.md"
 	@echo "make release      wheel and sdist in dist/, both tried in fresh environments"
 	@echo "make figures      the figures of the paper, in out/figures"
@@ -148,6 +149,9 @@ fuzz: $(VENV)/.dev
 
 kills: $(VENV)/.dev
 	@cd tests && $(abspath $(BIN))/python -m kills $(or $(COUNT),200) $(or $(SEED),0)
+
+interrupts: $(VENV)/.dev
+	@cd tests && $(abspath $(BIN))/python -m kills signals $(or $(COUNT),100) $(or $(SEED),0)
 
 kills-cluster: $(VENV)/.dev
 	@cd tests && $(abspath $(BIN))/python -m kills cluster $(or $(COUNT),200) $(or $(SEED),0)

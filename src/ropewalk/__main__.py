@@ -6,7 +6,7 @@ import warnings
 from typing import Any, NoReturn
 
 from ropewalk.importing import lightly
-from ropewalk.interrupts import EXIT_CODE, is_interrupted, listen
+from ropewalk.interrupts import EXIT_CODE, is_interrupted, listen, note_ending
 
 _GARBAGE = 50_000  # objects after which the interpreter looks for cycles: with its usual 700 a tenth of a short run
 
@@ -32,6 +32,7 @@ def main() -> None:
             raise
         _end_interrupted(text=False)
     finally:
+        note_ending()
         gc.freeze()  # or the interpreter, before it ends, looks for cycles in half a second's worth of objects
 
 

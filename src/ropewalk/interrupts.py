@@ -32,6 +32,7 @@ class _Heard:
         self.since = 0.0  # s on a clock, when it was heard first
         self.compiling = 0  # compilations under way, one within the other
         self.again = False  # whether it is to be heard once more
+        self.ending = False  # whether the process ends anyhow
         self.kept: Callable[[], str] = str  # what there is to say of a file that has been begun
         self.waker: socket.socket | None = None  # of the thread that sees to that
         self.leaving = threading.Lock()  # taken by the thread that ends the process
@@ -55,6 +56,11 @@ def note_kept(kept: Callable[[], str]) -> None:
     _heard.kept = kept
 
 
+def note_ending() -> None:
+    """Record that the command has come to its end: a signal changes nothing any more."""
+    _heard.ending = True
+
+
 def listen() -> None:
     """Turn signals that end a command into KeyboardInterrupt from now on; those that are ignored stay so."""
     names = [getattr(signal, name) for name in _SIGNALS if hasattr(signal, name)]
@@ -70,6 +76,8 @@ def listen() -> None:
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
+    if _heard.ending:
+        return
     if not _heard.signal:
         _heard.signal, _heard.since = number, time.monotonic()
     if _heard.compiling:

@@ -1,7 +1,8 @@
 """Kill at random moments, in the folder of tests; tells what went wrong.
 
 `python -m kills COUNT [SEED]` kills commands, `python -m kills cluster COUNT [SEED]` workers, schedulers and commands
-of sweeps on a Dask cluster.
+of sweeps on a Dask cluster, `python -m kills signals COUNT [SEED]` interrupts commands of all kinds and measures how
+soon they end.
 """
 
 from __future__ import annotations
@@ -14,9 +15,12 @@ from random import Random
 
 from kills import cluster
 from kills.commands import SCENARIOS, lasting, trial
+from kills.interrupts import trials
 
 KILLS = 8
 """In a sweep."""
+SOON = 0.5
+"""Within this time an interrupted command has ended, s."""
 
 
 def main(count: int, seed: int) -> int:
@@ -57,8 +61,30 @@ def on_a_cluster(count: int, seed: int) -> int:
     return int(wrong > 0)
 
 
+def signals(count: int, seed: int) -> int:
+    """Interrupt as many commands; 1 if one of them needs more than `SOON` or ends otherwise than it should."""
+    late, wrong, walls = Counter[str](), 0, list[float]()
+    with tempfile.TemporaryDirectory() as folder:
+        for name, after, answer in trials(count, seed, Path(folder)):
+            if answer is None:
+                continue
+            walls.append(answer.wall)
+            wrong += bool(answer.fault)
+            late[name] += answer.wall > SOON
+            if answer.fault or answer.wall > SOON:
+                how = f"{answer.wall:.2f} s, {answer.cpu:.2f} s of CPU, {answer.fault or 'late'}"
+                print(f"{name} after {after:.2f} s: {how}", flush=True)
+    walls.sort()
+    print(
+        f"seed {seed}: {len(walls)} of {count} commands interrupted; median {walls[len(walls) // 2]:.2f} s, largest "
+        f"{walls[-1]:.2f} s; {late.total()} later than {SOON} s ({dict(+late)}), {wrong} wrong"
+    )
+    return int(wrong + late.total() > 0)
+
+
+CALLS = {"cluster": on_a_cluster, "signals": signals}
+
 if __name__ == "__main__":
     words = sys.argv[1:]
-    call = on_a_cluster if words[0] == "cluster" else main
-    numbers = [int(word) for word in words if word != "cluster"]
-    sys.exit(call(numbers[0], numbers[1] if len(numbers) > 1 else 0))
+    numbers = [int(word) for word in words if word not in CALLS]
+    sys.exit(CALLS.get(words[0], main)(numbers[0], numbers[1] if len(numbers) > 1 else 0))

@@ -27,6 +27,7 @@ from ropewalk.cli.console import (
     foreseen,
     foretell,
     load_scenario,
+    open_unless_interrupted,
     print_columns,
     print_json,
     print_summary,
@@ -145,14 +146,14 @@ def run(
         displayed = display_units(units)
         check_target(target)
         replaced = " (replaced)" if target.exists() else ""
-        from ropewalk.results.arrays import open_arrays
         from ropewalk.simulate import simulate
 
         with progress_of_run(scenario, quiet) as progress:
             begun = None if quiet else foretell(scenario)
             dataset = simulate(
-                scenario, file=target, overwrite=overwrite, progress=progress, begun=begun, opened=open_arrays
-            )
+                scenario, file=target, overwrite=overwrite, progress=progress, begun=begun,
+                opened=open_unless_interrupted,
+            )  # fmt: skip
         _close(dataset, target, replaced, displayed, as_json=as_json, quiet=quiet)
 
 

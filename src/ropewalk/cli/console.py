@@ -42,6 +42,7 @@ Report = Callable[..., None]  # a task, the part that is done, and maybe what it
 _READ: ContextVar[tuple[Path, tuple[str, ...]] | None] = ContextVar("read", default=None)  # file and settings
 # Part of the whole from which on what is done tells what is left: before, kernels are still loaded.
 _KNOWN = 0.02
+_BRIEF = 4_000_000  # bytes of a result that is read and summarised in less than 0.1 s
 _BETWEEN_LINES = 30.0  # s between lines that tell how far what takes long has come
 TRACEBACK: ContextVar[bool] = ContextVar("traceback", default=False)
 
@@ -56,6 +57,21 @@ def load_scenario(file: Path, settings: list[str] | None, no_code: bool = False)
 
         refuse_code(scenario.loads)
     return scenario
+
+
+def open_unless_interrupted(path: Path) -> xr.Dataset:
+    """Open a result that has just been written; after an interrupt a large one is not read back, and the command ends.
+
+    Args:
+        path: complete result file.
+    """
+    from ropewalk.results.arrays import open_arrays
+
+    if is_interrupted() and path.stat().st_size > _BRIEF:
+        fail(
+            f"interrupted; what was computed is kept in {path}. `ropewalk show {path}` prints its summary.", INTERRUPTED
+        )
+    return open_arrays(path)
 
 
 def finish(found: dict[str, Any], target: Path) -> None:
