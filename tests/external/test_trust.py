@@ -157,7 +157,7 @@ def test_no_code_is_run_where_that_is_forbidden(
     if flags:
         assert found.exit_code == 2
         assert (
-            "loads.walker.model: is external code, which --no-code refuses, given hip.py:Hip; leave --no-code out"
+            "loads.walker.model: is external code, which --no-code refuses, given hip.py:Hip; omit --no-code"
             in found.output
         )
 
