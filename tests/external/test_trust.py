@@ -5,9 +5,6 @@ from __future__ import annotations
 import io
 import json
 import pickle
-import shutil
-import subprocess
-import sys
 import zipfile
 from pathlib import Path
 
@@ -22,33 +19,6 @@ from ropewalk.external.models import refuse_code
 from ropewalk.model import Scenario
 from ropewalk.simulate import simulate
 
-TRIES = """
-import json, os, pathlib, signal, socket, sys
-from ropewalk.external.confinement import leave_network, write_only_in
-folder, outside, port = sys.argv[1], pathlib.Path(sys.argv[2]), int(sys.argv[3])
-held = {"network": leave_network(), "files": write_only_in(folder)}
-
-def tried(act):
-    try:
-        act()
-    except OSError as problem:
-        return type(problem).__name__
-    return "done"
-
-print(json.dumps({
-    "held": held,
-    "write inside": tried(lambda: (pathlib.Path(folder) / "mine").write_text("x")),
-    "null": tried(lambda: pathlib.Path("/dev/null").write_text("x")),
-    "read outside": tried(outside.read_text),
-    "write outside": tried(lambda: outside.write_text("x")),
-    "append outside": tried(lambda: outside.open("a")),
-    "make outside": tried(lambda: (outside.parent / "new").mkdir()),
-    "remove outside": tried(outside.unlink),
-    "rename in": tried(lambda: outside.rename(pathlib.Path(folder) / "stolen")),
-    "signal": tried(lambda: os.kill(os.getppid(), signal.SIGUSR1)),
-    "connect": tried(lambda: socket.create_connection(("127.0.0.1", port), 2.0)),
-}))
-"""
 CODE = """
 import pathlib
 pathlib.Path("has run").touch()
@@ -72,49 +42,6 @@ def written(folder: Path, body: str = "", step: str = "return [(5.0, (0.0, -100.
     file = folder / "walk.yaml"
     file.write_text(json.dumps(scenario("hip.py:Hip")))
     return file
-
-
-def has_landlock() -> bool:
-    """Whether the kernel says that it has it: the version that it knows, by its own call."""
-    import ctypes
-
-    return bool(ctypes.CDLL(None).syscall(444, None, ctypes.c_size_t(0), 1) >= 1)
-
-
-def has_namespaces() -> bool:
-    """Whether the tool of the system can make a network of one's own."""
-    tool = shutil.which("unshare")
-    return tool is not None and subprocess.run([tool, "-rn", "true"], capture_output=True, check=False).returncode == 0
-
-
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="confined on Linux only")
-def test_a_confined_process_writes_in_its_folder_only_and_knows_no_network(tmp_path: Path) -> None:
-    """What the system does not know how to hold back is not asked for."""
-    import socket
-
-    folder, outside = tmp_path / "own", tmp_path / "outside" / "file"
-    folder.mkdir()
-    outside.parent.mkdir()
-    outside.write_text("precious")
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        port = server.getsockname()[1]
-        run = subprocess.run(
-            [sys.executable, "-c", TRIES, folder, outside, str(port)], capture_output=True, text=True, check=False
-        )
-    assert run.returncode == 0, run.stderr
-    found = json.loads(run.stdout)
-    restrained = found["held"]
-    assert restrained == {"network": has_namespaces(), "files": has_landlock()}
-    assert {found[key] for key in ("write inside", "null", "read outside")} == {"done"}
-    if restrained["files"]:
-        kept = ("write outside", "append outside", "make outside", "remove outside", "rename in")
-        assert all(found[key] in ("PermissionError", "OSError") for key in kept), found
-        assert outside.read_text() == "precious"
-        assert (folder / "mine").read_text() == "x"
-    if restrained["network"]:
-        assert found["connect"] != "done"
-    if not any(restrained.values()):
-        pytest.skip("this system has neither Landlock nor namespaces for its users")
 
 
 def test_answers_of_an_isolated_fmu_are_data_that_can_run_nothing() -> None:
