@@ -231,7 +231,7 @@ def test_no_sign_that_controls_a_terminal_comes_through(fmu: Path, target: Path)
 
 
 def test_the_numbers_of_refused_calls_are_those_of_this_system() -> None:
-    """Of both tables, since no test runs on the other processor; as the headers of the system say, if there."""
+    """Of both tables, since no test runs on the other processor; as the headers of the system have them."""
     files = ("/usr/include/x86_64-linux-gnu/asm/unistd_64.h", "/usr/include/asm-generic/unistd.h")
     seen = 0
     for column, file in enumerate(map(Path, files)):

@@ -15,8 +15,10 @@ from ropewalk.checkpoint import CheckpointError, to_bytes
 from ropewalk.cli.app import app
 from ropewalk.errors import RopewalkError, ScenarioError
 from ropewalk.external import archive, isolation
+from ropewalk.external.description import check_fmu
 from ropewalk.external.models import refuse_code
 from ropewalk.model import Scenario
+from ropewalk.model.fmu import Fmu
 from ropewalk.simulate import simulate
 
 CODE = """
@@ -70,6 +72,37 @@ def test_an_archive_that_would_fill_the_disk_is_refused(tmp_path: Path, monkeypa
     monkeypatch.setattr(archive, "LARGEST", 2_000_000)
     with pytest.raises(RopewalkError, match=r"it holds 1 files of 0.003 GB; at most"):
         archive.check_size(file)
+
+
+START = '<?xml version="1.0" encoding="UTF-8"?><fmiModelDescription fmiVersion="2.0">'
+
+
+@pytest.mark.parametrize(
+    ("text", "wrong"),
+    [
+        (START + '<Unknown index="1"/>' * 2_000_000, "is larger than 32 MB"),
+        (START + "<U/>" * 700_000, "has about 350000 elements and 3 attributes, which is too much"),
+        (START + '<U a="" />' * 2_100_000, "has about 1050000 elements and 2100003 attributes, which is too much"),
+        (START + "<U " + " ".join(f'a{i}=""' for i in range(1200)) + "/>", "has an element of more than 1000 attributes"),
+        (START.replace("<fmi", '<!DOCTYPE x [<!ENTITY a SYSTEM "/dev/zero">]><fmi'), "defines a document type or entities"),
+        (START.replace("UTF-8", "UTF-7"), "is not in UTF-8"),
+        (START.encode("utf-16"), "is not in UTF-8"),
+    ],
+    ids=["size", "elements", "attributes", "attributes of one", "entity", "utf-7", "utf-16"],
+)  # fmt: skip
+def test_a_description_that_would_take_much_is_refused_before_it_is_parsed(
+    text: str | bytes, wrong: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fmpy = pytest.importorskip("fmpy", reason="FMUs need FMPy")
+    monkeypatch.setattr(fmpy, "read_model_description", None)  # it would fail otherwise
+    file = tmp_path / "car.fmu"
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as bomb:
+        bomb.writestr("modelDescription.xml", text)
+    travel = {"speed": 1.0}
+    problems = check_fmu("car", Fmu(on="s", file=str(file), contacts={"a": {"force": "f"}}, travel=travel))
+    assert [problem.key for problem in problems] == ["loads.car.file"]
+    assert problems[0].wrong.startswith(f"its modelDescription.xml {wrong}")
+    assert problems[0].remedy
 
 
 @pytest.mark.parametrize("command", [["run"], ["spectrum"], ["feedback"], ["compare"], ["check"]])
