@@ -18,7 +18,7 @@ import ropewalk
 HOUSE = Path(ropewalk.__file__).parent
 # From the ground up; a module imports from its own layer and from those before it.
 LAYERS = (
-    ("errors", "units", "hooks", "importing", "interrupts", "renamed"), ("checkpoint",), ("model",),
+    ("errors", "units", "hooks", "importing", "interrupts", "permission", "renamed"), ("checkpoint",), ("model",),
     ("theory",), ("mechanics",), ("external",),
     ("controllers",), ("results",), ("solve",), ("linear",), ("wires",), ("overhead",), ("system",),
     ("capabilities",), ("chains", "wiring"), ("meshes",), ("impact",), ("simulate",), ("effort",),

@@ -162,6 +162,7 @@ def test_a_process_that_is_killed_from_outside_is_an_error(folder: Path, models:
     models.append(model_of(c_fmu(folder)))
     ride(models[0], 1)
     process_of(models[0]).send_signal(signal.SIGKILL)
+    process_of(models[0]).wait()
     with pytest.raises(RopewalkError, match="has crashed, its process was ended by SIGKILL"):
         models[0].step(2 * H, H, StillLine())
 

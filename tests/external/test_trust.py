@@ -5,9 +5,6 @@ from __future__ import annotations
 import io
 import json
 import pickle
-import shutil
-import subprocess
-import sys
 import zipfile
 from pathlib import Path
 
@@ -18,37 +15,12 @@ from ropewalk.checkpoint import CheckpointError, to_bytes
 from ropewalk.cli.app import app
 from ropewalk.errors import RopewalkError, ScenarioError
 from ropewalk.external import archive, isolation
+from ropewalk.external.description import check_fmu
 from ropewalk.external.models import refuse_code
 from ropewalk.model import Scenario
+from ropewalk.model.fmu import Fmu
 from ropewalk.simulate import simulate
 
-TRIES = """
-import json, os, pathlib, signal, socket, sys
-from ropewalk.external.confinement import leave_network, write_only_in
-folder, outside, port = sys.argv[1], pathlib.Path(sys.argv[2]), int(sys.argv[3])
-held = {"network": leave_network(), "files": write_only_in(folder)}
-
-def tried(act):
-    try:
-        act()
-    except OSError as problem:
-        return type(problem).__name__
-    return "done"
-
-print(json.dumps({
-    "held": held,
-    "write inside": tried(lambda: (pathlib.Path(folder) / "mine").write_text("x")),
-    "null": tried(lambda: pathlib.Path("/dev/null").write_text("x")),
-    "read outside": tried(outside.read_text),
-    "write outside": tried(lambda: outside.write_text("x")),
-    "append outside": tried(lambda: outside.open("a")),
-    "make outside": tried(lambda: (outside.parent / "new").mkdir()),
-    "remove outside": tried(outside.unlink),
-    "rename in": tried(lambda: outside.rename(pathlib.Path(folder) / "stolen")),
-    "signal": tried(lambda: os.kill(os.getppid(), signal.SIGUSR1)),
-    "connect": tried(lambda: socket.create_connection(("127.0.0.1", port), 2.0)),
-}))
-"""
 CODE = """
 import pathlib
 pathlib.Path("has run").touch()
@@ -72,49 +44,6 @@ def written(folder: Path, body: str = "", step: str = "return [(5.0, (0.0, -100.
     file = folder / "walk.yaml"
     file.write_text(json.dumps(scenario("hip.py:Hip")))
     return file
-
-
-def has_landlock() -> bool:
-    """Whether the kernel says that it has it: the version that it knows, by its own call."""
-    import ctypes
-
-    return bool(ctypes.CDLL(None).syscall(444, None, ctypes.c_size_t(0), 1) >= 1)
-
-
-def has_namespaces() -> bool:
-    """Whether the tool of the system can make a network of one's own."""
-    tool = shutil.which("unshare")
-    return tool is not None and subprocess.run([tool, "-rn", "true"], capture_output=True, check=False).returncode == 0
-
-
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="confined on Linux only")
-def test_a_confined_process_writes_in_its_folder_only_and_knows_no_network(tmp_path: Path) -> None:
-    """What the system does not know how to hold back is not asked for."""
-    import socket
-
-    folder, outside = tmp_path / "own", tmp_path / "outside" / "file"
-    folder.mkdir()
-    outside.parent.mkdir()
-    outside.write_text("precious")
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        port = server.getsockname()[1]
-        run = subprocess.run(
-            [sys.executable, "-c", TRIES, folder, outside, str(port)], capture_output=True, text=True, check=False
-        )
-    assert run.returncode == 0, run.stderr
-    found = json.loads(run.stdout)
-    restrained = found["held"]
-    assert restrained == {"network": has_namespaces(), "files": has_landlock()}
-    assert {found[key] for key in ("write inside", "null", "read outside")} == {"done"}
-    if restrained["files"]:
-        kept = ("write outside", "append outside", "make outside", "remove outside", "rename in")
-        assert all(found[key] in ("PermissionError", "OSError") for key in kept), found
-        assert outside.read_text() == "precious"
-        assert (folder / "mine").read_text() == "x"
-    if restrained["network"]:
-        assert found["connect"] != "done"
-    if not any(restrained.values()):
-        pytest.skip("this system has neither Landlock nor namespaces for its users")
 
 
 def test_answers_of_an_isolated_fmu_are_data_that_can_run_nothing() -> None:
@@ -145,6 +74,37 @@ def test_an_archive_that_would_fill_the_disk_is_refused(tmp_path: Path, monkeypa
         archive.check_size(file)
 
 
+START = '<?xml version="1.0" encoding="UTF-8"?><fmiModelDescription fmiVersion="2.0">'
+
+
+@pytest.mark.parametrize(
+    ("text", "wrong"),
+    [
+        (START + '<Unknown index="1"/>' * 2_000_000, "is larger than 32 MB"),
+        (START + "<U/>" * 700_000, "has about 350001 elements and 3 attributes, which is"),
+        (START + '<U a="" />' * 2_100_000, "has about 1050001 elements and 2100003 attributes"),
+        (START + "<U " + " ".join(f'a{i}=""' for i in range(1200)) + "/>", "has an element of more than 1000"),
+        (START.replace("<fmi", '<!DOCTYPE x [<!ENTITY a SYSTEM "/dev/zero">]><fmi'), "defines a document type"),
+        (START.replace("UTF-8", "UTF-7"), "is not in UTF-8"),
+        (START.encode("utf-16"), "is not in UTF-8"),
+    ],
+    ids=["size", "elements", "attributes", "attributes of one", "entity", "utf-7", "utf-16"],
+)  # fmt: skip
+def test_a_description_that_would_take_much_is_refused_before_it_is_parsed(
+    text: str | bytes, wrong: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fmpy = pytest.importorskip("fmpy", reason="FMUs need FMPy")
+    monkeypatch.setattr(fmpy, "read_model_description", None)  # it would fail otherwise
+    file = tmp_path / "car.fmu"
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as bomb:
+        bomb.writestr("modelDescription.xml", text)
+    travel = {"speed": 1.0}
+    problems = check_fmu("car", Fmu(on="s", file=str(file), contacts={"a": {"force": "f"}}, travel=travel))
+    assert [problem.key for problem in problems] == ["loads.car.file"]
+    assert problems[0].wrong.startswith(f"its modelDescription.xml {wrong}")
+    assert problems[0].remedy
+
+
 @pytest.mark.parametrize("command", [["run"], ["spectrum"], ["feedback"], ["compare"], ["check"]])
 def test_no_code_is_run_where_that_is_forbidden(
     command: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -157,7 +117,7 @@ def test_no_code_is_run_where_that_is_forbidden(
     if flags:
         assert found.exit_code == 2
         assert (
-            "loads.walker.model: is external code, which --no-code refuses, given hip.py:Hip; leave --no-code out"
+            "loads.walker.model: is external code, which --no-code refuses, given hip.py:Hip; omit --no-code"
             in found.output
         )
 

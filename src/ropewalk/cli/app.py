@@ -44,6 +44,7 @@ from ropewalk.cli.lines import elasticity
 from ropewalk.cli.options import Json, NoCode, Picture, Quiet, ScenarioFile, Settings, Units, Workers
 from ropewalk.cli.studio import studio
 from ropewalk.cli.validating import validate
+from ropewalk.permission import forbid_code, is_code_forbidden
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -184,8 +185,10 @@ def resume(
     with reported(result):
         end = None if until is None else quantity_of(until, "s")
         displayed = display_units(units)
+        if no_code:
+            forbid_code()
         with import_module("ropewalk.resuming").taken_up(result, end) as rest:
-            if no_code:
+            if is_code_forbidden():
                 import_module("ropewalk.external.models").refuse_code(rest.scenario.loads)
             if not quiet:
                 say(f"going on from t = {rest.begin:.6g} s")

@@ -22,6 +22,7 @@ from typer import CallbackParam
 
 from ropewalk.interrupts import EXIT_CODE as INTERRUPTED
 from ropewalk.interrupts import is_interrupted, note_kept
+from ropewalk.permission import code_restored, forbid_code, is_code_forbidden
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -50,9 +51,11 @@ TRACEBACK: ContextVar[bool] = ContextVar("traceback", default=False)
 def load_scenario(file: Path, settings: list[str] | None, no_code: bool = False) -> Scenario:
     from ropewalk.scenario import load
 
+    if no_code:
+        forbid_code()
     scenario = load(file, settings or ())
     _READ.set((file, tuple(settings or ())))  # read well: what is found later can be shown its place
-    if no_code:
+    if is_code_forbidden():
         from ropewalk.external.models import refuse_code
 
         refuse_code(scenario.loads)
@@ -338,7 +341,8 @@ def reported(target: Path | None = None) -> Iterator[None]:
 
     note_kept(kept)
     try:
-        yield
+        with code_restored():
+            yield
     except typer.Exit:
         raise
     except KeyboardInterrupt as stop:

@@ -9,8 +9,8 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from ropewalk.errors import Problem, RopewalkError, ScenarioError, did_you_mean
-from ropewalk.external.archive import check_size
+from ropewalk.errors import Problem, Refused, RopewalkError, ScenarioError, did_you_mean
+from ropewalk.external.archive import DESCRIPTION, check_description, check_size
 from ropewalk.external.fmu_wiring import StartValue, Wiring
 from ropewalk.model.fmu import Fmu, FmuContact, Value
 
@@ -122,8 +122,14 @@ class _Reading:
             return self._report("file", str(error), remedy="leave out of it what it does not need")
         except (zipfile.BadZipFile, OSError) as error:
             return self._report("file", f"is not an FMU, it cannot be unpacked ({error})", remedy="export it again")
-        if "modelDescription.xml" not in names:
+        if DESCRIPTION not in names:
             return self._report("file", "is not an FMU, it has no modelDescription.xml", remedy="export it again")
+        try:
+            check_description(path)
+        except Refused as error:
+            return self._report("file", f"its {DESCRIPTION} {error.wrong}", remedy=error.remedy)
+        except Exception as error:  # whatever a broken archive makes of its reader
+            return self._report("file", f"its {DESCRIPTION} cannot be unpacked ({error})", remedy="export it again")
         try:
             description = read_model_description(str(path), validate=False)
             version = description.fmiVersion

@@ -12,6 +12,7 @@ import numpy as np
 
 from ropewalk.checkpoint import Tree
 from ropewalk.errors import RopewalkError
+from ropewalk.external.confinement import lacking
 from ropewalk.external.description import answered, mentioned, wiring_of
 from ropewalk.external.isolation import Isolated
 from ropewalk.external.leaving import watched
@@ -100,11 +101,18 @@ class FmuModel:
     @property
     def diagnostics(self) -> list[str]:
         """What is to be known of it before it begins."""
-        if not self._wiring.unheard:
-            return []
-        names = ", ".join(self._wiring.unheard)
-        remedy = "name them in its contacts (height, velocity, place, force), or say so by start_values"
-        return [f"{self._wiring.who} has inputs that nothing sets, {names}: they stay as they begin; {remedy}"]
+        found = []
+        if self._load.isolated and (walls := lacking()):
+            remedy = "--no-code refuses FMUs whose authors you do not trust"
+            found.append(
+                f"{self._wiring.who} is isolated, but this system cannot confine it: it lacks {' and '.join(walls)}; "
+                f"the FMU may do all that you may; {remedy}"
+            )
+        if self._wiring.unheard:
+            names = ", ".join(self._wiring.unheard)
+            remedy = "name them in its contacts (height, velocity, place, force), or say so by start_values"
+            found.append(f"{self._wiring.who} has inputs that nothing sets, {names}: they stay as they begin; {remedy}")
+        return found
 
     @property
     def contacts(self) -> int:

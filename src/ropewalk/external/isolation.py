@@ -1,15 +1,17 @@
 """Isolation: an FMU at work in a process of its own, so that its crash or endless loop ends the run in order.
 
 Parent and child take turns: a pickled (method, arguments, states to forget) down a pipe, an answer up another, which is
-plain data: reading it can run nothing. The child may write in one folder only, where the FMU is unpacked, and knows no
-network, as far as the system keeps it from that (`confinement.py`). A watcher in the parent kills a child that does not
-answer in time, whereupon the pipe ends; one in the child ends it when its parent is gone.
+plain data: reading it can run nothing, and what has not the form of an answer is refused. Between them stands a
+supervisor (`supervision.py`), which ends the child when the run ends. The child may write in one folder only, where the
+FMU is unpacked, and reach no other process and no network, as far as the system keeps it from that (`confinement.py`).
+A watcher in the parent ends a child that does not answer in time, whereupon the pipe ends.
 """
 
 from __future__ import annotations
 
 import os
 import pickle
+import re
 import shutil
 import signal
 import subprocess
@@ -22,20 +24,27 @@ from collections import deque
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from math import isfinite
 from pathlib import Path
 from typing import IO, Any, BinaryIO
 
 from ropewalk.checkpoint import CheckpointError, from_bytes, to_bytes
 from ropewalk.errors import RopewalkError
-from ropewalk.external.confinement import leave_network, write_only_in
 from ropewalk.external.fmu_wiring import Wiring
-from ropewalk.external.slave import REMEMBERED, UNPACKED, Slave, quoted
+from ropewalk.external.slave import LONGEST, REMEMBERED, UNPACKED, Slave, quoted
+from ropewalk.external.supervision import EXCESS
 
-LOOK = 0.2  # s, at which the watchers look
+LOOK = 0.2  # s, at which the watcher looks
 STARTING = 30.0  # s, that loading may take longer: Python itself must start
 FAREWELL = 2.0  # s, for an FMU to end by itself
-LARGEST = 1 << 30  # bytes of an answer, which a state may be
-_CHILD = "import sys; sys.path.append(sys.argv[1]); from ropewalk.external.isolation import serve; serve(sys.argv[2])"
+USUAL, LARGEST = 1 << 20, 1 << 30  # bytes of an answer, and of one that is a state
+AT_ONCE = 200  # messages of an FMU that are sent while a question is answered
+_HEAD, _LONGEST_HEAD = slice(48, 56), 1 << 20  # where an answer says how long its text is, and bytes of that
+_CHILD = (
+    "import sys; sys.path.append(sys.argv[1]); from ropewalk.external.supervision import main; "
+    "main(sys.argv[2], int(sys.argv[3]))"
+)
+_SECRET = re.compile("token|secret|passw|credential|apikey|api_key|auth|cookie|private|_proxy", re.IGNORECASE)
 
 
 @dataclass
@@ -58,11 +67,11 @@ class _Watched:
                 return
 
     def kill(self) -> None:
-        """End the child, with everything that it has started."""
+        """End the child, with everything that it has started: its supervisor does, or goes, too."""
         if self.process.poll() is None:
-            with suppress(OSError):
-                if hasattr(os, "killpg"):
-                    os.killpg(self.process.pid, signal.SIGKILL)
+            self.process.terminate()
+            with suppress(subprocess.TimeoutExpired):
+                self.process.wait(FAREWELL)
             self.process.kill()
             self.process.wait()
 
@@ -95,8 +104,9 @@ class Isolated:
         root = str(Path(__file__).parents[2])
         folder = tempfile.mkdtemp(prefix=UNPACKED)
         process = subprocess.Popen(
-            [sys.executable, "-c", _CHILD, root, folder],
+            [sys.executable, "-c", _CHILD, root, folder, str(os.getpid())],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, start_new_session=True,
+            env={name: value for name, value in os.environ.items() if not _SECRET.search(name)},
         )  # fmt: skip
         assert process.stdin is not None
         assert process.stdout is not None
@@ -108,15 +118,15 @@ class Isolated:
 
     def begin(self, inputs: Sequence[float], until: float) -> list[float]:
         """Set everything, initialise, and give the outputs at the beginning."""
-        return list(self._ask("begin", inputs, until))
+        return self._outputs(self._ask("begin", inputs, until), "begin", (inputs, until))
 
     def advance(self, t: float, h: float, inputs: Sequence[float]) -> list[float]:
         """Go on from t in s by h with the inputs at the end of the step; give the outputs there."""
-        return list(self._ask("advance", t, h, inputs))
+        return self._outputs(self._ask("advance", t, h, inputs), "advance", (t, h, inputs))
 
     def save(self) -> int:
         """Keep the state, under a number."""
-        return int(self._ask("save"))
+        return self._number(self._ask("save"), "save")
 
     def restore(self, number: int) -> None:
         """Go back to a state that was kept."""
@@ -124,12 +134,16 @@ class Isolated:
 
     def pack(self, number: int) -> tuple[bytes, tuple[float, ...]]:
         """A state that was kept, as data."""
-        data, before = self._ask("pack", number)
-        return data, before
+        answer = self._ask("pack", number)
+        if isinstance(answer, tuple) and len(answer) == 2 and isinstance(answer[0], bytes):
+            data, before = answer
+            if isinstance(before, tuple) and all(isinstance(value, float) for value in before):
+                return data, before
+        raise self._nonsense("pack", ())
 
     def unpack(self, data: tuple[bytes, tuple[float, ...]]) -> int:
         """Keep a state that was data, under a number."""
-        return int(self._ask("unpack", data))
+        return self._number(self._ask("unpack", data), "unpack")
 
     def forget(self, number: int) -> None:
         """Let go of a state that was kept: the child hears of it with the next question."""
@@ -156,16 +170,40 @@ class Isolated:
             self._down.write(pickle.dumps((method, arguments, forgotten)))
             self._down.flush()
             while True:
-                kind, answer = _receive(self._up)
+                kind, answer = _receive(self._up, LARGEST if method == "pack" else USUAL)
                 if kind != "said":
                     break
-                self._log.append(answer)
-        except (EOFError, OSError, ValueError, TypeError, CheckpointError) as error:
+                status, text = answer
+                self._log.append((int(status), str(text)[:LONGEST]))
+            if kind not in ("done", "failed") or (kind == "failed" and not isinstance(answer, str)):
+                raise self._nonsense(method, arguments)
+        except (ValueError, TypeError, CheckpointError) as error:
+            if self._up.closed:  # it has been lost before
+                raise self._lost(_doing(method, arguments)) from error
+            raise self._nonsense(method, arguments) from error
+        except (EOFError, OSError) as error:
             raise self._lost(_doing(method, arguments)) from error
         watched.due = None
         if kind == "failed":
             raise RopewalkError(answer)
         return answer
+
+    def _outputs(self, answer: Any, method: str, arguments: tuple[Any, ...]) -> list[float]:
+        """An answer as outputs, which it is only if it holds a finite number for each."""
+        is_complete = isinstance(answer, list) and len(answer) == len(self.wiring.outputs)
+        if is_complete and all(isinstance(value, float) and isfinite(value) for value in answer):
+            return list(answer)
+        raise self._nonsense(method, arguments)
+
+    def _number(self, answer: Any, method: str) -> int:
+        if isinstance(answer, int) and not isinstance(answer, bool):
+            return answer
+        raise self._nonsense(method, ())
+
+    def _nonsense(self, method: str, arguments: tuple[Any, ...]) -> RopewalkError:
+        """End a child that gives what is no answer."""
+        self._watched.release()
+        return RopewalkError(f"{self.wiring.who} gives no answer but something else, {_doing(method, arguments)}")
 
     def _lost(self, doing: str) -> RopewalkError:
         """Say what has become of a child that does not answer."""
@@ -180,6 +218,8 @@ class Isolated:
                 end = "no longer answers"
             elif code < 0:
                 end = f"has crashed, its process was ended by {_signal(-code)}"
+            elif code in EXCESS:
+                end = f"{EXCESS[code]}, its process was ended"
             else:
                 end = f"has ended its process, with exit code {code}"
         watched.release()
@@ -206,17 +246,20 @@ def _send(stream: IO[bytes], what: Any) -> None:
     stream.flush()
 
 
-def _receive(stream: IO[bytes]) -> Any:
-    """What `_send` has sent.
+def _receive(stream: IO[bytes], largest: int = LARGEST) -> Any:
+    """What `_send` has sent, of no more than so many bytes.
 
     Raises:
         EOFError: nothing comes any more.
         CheckpointError: something else comes.
     """
     size = int.from_bytes(_exactly(stream, 8), "little")
-    if size > LARGEST:
+    if size > largest:
         raise CheckpointError("an answer that is too large")
-    return from_bytes(_exactly(stream, size))
+    data = _exactly(stream, size)
+    if int.from_bytes(data[_HEAD], "little") > _LONGEST_HEAD:  # text takes many times its size when it is read
+        raise CheckpointError("an answer that is too large")
+    return from_bytes(data)
 
 
 def _exactly(stream: IO[bytes], size: int) -> bytes:
@@ -226,28 +269,24 @@ def _exactly(stream: IO[bytes], size: int) -> bytes:
     return data
 
 
-def serve(folder: str) -> None:
-    """Be the child: do what is asked through standard input until it ends, with the FMU unpacked in a folder."""
-    parent = os.getppid()
-    os.environ["TMPDIR"] = tempfile.tempdir = folder
-    leave_network()
+def serve(folder: str, trouble: str = "") -> None:
+    """Be the child: do what is asked through standard input until it ends, with the FMU unpacked in a folder.
+
+    Args:
+        folder: for the FMU.
+        trouble: why it must not be loaded; empty if it may.
+    """
+    tempfile.tempdir = folder
     up, down = os.fdopen(os.dup(1), "wb"), os.fdopen(os.dup(0), "rb")
     os.dup2(2, 1)  # what the FMU prints must not get between the answers
     with open(os.devnull, "rb") as nothing:
         os.dup2(nothing.fileno(), 0)
-    over = threading.Event()
-    watcher = threading.Thread(target=_end_with, args=(parent, folder, over), daemon=True)
-    watcher.start()  # before this thread may no longer take the folder away
-    write_only_in(folder)
-    try:
-        _serve(down, up, folder)
-    finally:
-        over.set()
-        watcher.join()
+    _serve(down, up, folder, trouble)
 
 
-def _serve(down: BinaryIO, up: BinaryIO, folder: str) -> None:
+def _serve(down: BinaryIO, up: BinaryIO, folder: str, trouble: str) -> None:
     slave: Slave | None = None
+    messages = _Messages(up)
     while True:
         try:
             method, arguments, forgotten = pickle.load(down)
@@ -255,7 +294,9 @@ def _serve(down: BinaryIO, up: BinaryIO, folder: str) -> None:
             method, arguments, forgotten = "close", (), ()
         try:
             if method == "load":
-                slave, answer = Slave(arguments[0], lambda *said: _send(up, ("said", said)), folder), None
+                if trouble:
+                    raise RopewalkError(f"{arguments[0].who}: {trouble}")
+                slave, answer = Slave(arguments[0], messages.hear, folder), None
             else:
                 assert slave is not None
                 for number in forgotten:
@@ -267,15 +308,30 @@ def _serve(down: BinaryIO, up: BinaryIO, folder: str) -> None:
         except Exception as error:
             reply = "failed", f"{type(error).__name__}: {error}"
         with suppress(BrokenPipeError):
+            messages.flush()
             _send(up, reply)
         if method == "close":
             break
 
 
-def _end_with(parent: int, folder: str, over: threading.Event) -> None:
-    """Tidy up when all is over; when the parent is gone end this process, too, whatever the FMU is doing."""
-    while os.getppid() == parent and not over.wait(LOOK):
-        pass
-    shutil.rmtree(folder, ignore_errors=True)
-    if not over.is_set():
-        os._exit(1)
+class _Messages:
+    """What an FMU says, sent at once so that a crash does not take it along; of a flood, the first and the last."""
+
+    def __init__(self, up: BinaryIO) -> None:
+        self._up, self._count = up, 0
+        self._last: deque[tuple[int, str]] = deque(maxlen=REMEMBERED)
+
+    def hear(self, status: int, text: str) -> None:
+        """Send a message, or keep it for the end of the step if there are many."""
+        self._count += 1
+        if self._count > AT_ONCE:
+            self._last.append((status, text[:LONGEST]))
+        else:
+            _send(self._up, ("said", (status, text[:LONGEST])))
+
+    def flush(self) -> None:
+        """Send those that were kept."""
+        for said in self._last:
+            _send(self._up, ("said", said))
+        self._last.clear()
+        self._count = 0

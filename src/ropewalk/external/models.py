@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from ropewalk.errors import Problem, RopewalkError, ScenarioError
+from ropewalk.errors import RopewalkError, ScenarioError
 from ropewalk.external.cosimulation_master import CosimulationMaster
 from ropewalk.mechanics.contact_points import contacts_of, named
 from ropewalk.model.fmu import Fmu
 from ropewalk.model.load import AnyLoad, ExternalModel
 from ropewalk.model.stepper import Stepper
+from ropewalk.permission import check_code, refusal_of_code
 
 
 def cosimulation_of(name: str, load: ExternalModel, until: float, dim: int, reach: float) -> CosimulationMaster:
@@ -40,6 +41,7 @@ def model_of(name: str, load: ExternalModel, until: float, dim: int) -> Any:
         RopewalkError: there is no such thing, or it cannot be made.
     """
     if not isinstance(load, Stepper):
+        check_code(name, "file", load.file)
         from ropewalk.external.fmu import FmuModel  # lazy: few runs need FMPy
 
         return FmuModel(name, load, until, dim)
@@ -64,12 +66,11 @@ def refuse_code(loads: Mapping[str, AnyLoad]) -> None:
     Raises:
         ScenarioError: with all of them.
     """
-    problems = []
-    for name, load in loads.items():
-        if isinstance(load, ExternalModel):
-            key, given = ("file", load.file) if isinstance(load, Fmu) else ("model", str(load.model))
-            remedy = "leave --no-code out if you trust its author"
-            problems.append(Problem(f"loads.{name}.{key}", "is external code, which --no-code refuses", given, remedy))
+    problems = [
+        refusal_of_code(name, *(("file", load.file) if isinstance(load, Fmu) else ("model", str(load.model))))
+        for name, load in loads.items()
+        if isinstance(load, ExternalModel)
+    ]
     if problems:
         raise ScenarioError(problems)
 

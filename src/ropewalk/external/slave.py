@@ -18,7 +18,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, Protocol
 
-from ropewalk.errors import RopewalkError
+from ropewalk.errors import RopewalkError, printable
 from ropewalk.external.archive import check_size
 from ropewalk.external.binaries import Binary, Listener, Refusal, binary_of
 from ropewalk.external.fmu_wiring import Wiring
@@ -224,7 +224,7 @@ class Slave:
 
 def quoted(log: Iterable[tuple[int, str]]) -> str:
     """Write what an FMU has said last as the end of a sentence: of mistakes, if it has."""
-    said = [(status, " ".join(message.split())[:LONGEST]) for status, message in log]
+    said = [(status, printable(" ".join(message.split())[:LONGEST])) for status, message in log]
     last = [text for status, text in said if status > 0] or [text for _, text in said]
     return f"; it said: {' | '.join(last[-QUOTED:])}" if last else ""
 

@@ -30,6 +30,7 @@ from ropewalk.model.travel import FreeTravel, Measure, Travel
 from ropewalk.model.trolley import Trolley
 from ropewalk.model.vehicle import Vehicle
 from ropewalk.model.walker import Walker
+from ropewalk.permission import check_code
 
 FEET = {"left": ("left", "right"), "right": ("right", "left")}
 """Names of the feet of a person, the first one first."""
@@ -195,8 +196,9 @@ def named(name: str, place: str) -> Any:
     """What module:name or file.py:name stands for, for the load of a name.
 
     Raises:
-        RopewalkError: there is no such thing.
+        RopewalkError: there is no such thing, or external code is forbidden.
     """
+    check_code(name, "model", place)
     home, _, attribute = place.rpartition(":")
     try:
         if not home.endswith(".py"):

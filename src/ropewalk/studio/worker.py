@@ -16,6 +16,8 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ropewalk.permission import forbid_code
+
 if TYPE_CHECKING:
     from ropewalk.model.scenario import Scenario
     from ropewalk.studio.poses import Asked, Dragging
@@ -38,6 +40,8 @@ def main(pipe: Connection, folder: str, allow_code: bool, memory: int, processes
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which tells us
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small problems, and other pages want the other cores
     os.chdir(folder)
+    if not allow_code:
+        forbid_code()
     if memory:
         with contextlib.suppress(ImportError, ValueError, OSError):
             import resource

@@ -15,6 +15,7 @@ from typing import Any
 import ropewalk
 from ropewalk.errors import RopewalkError
 from ropewalk.model import Dynamic, Linear, Quasistatic, Scenario
+from ropewalk.permission import is_code_forbidden
 from ropewalk.results.contract import doubts_of
 from ropewalk.scenario.writing import check_writable, text_of, tree_of
 from ropewalk.sweeps.by_modes import by_modes
@@ -37,6 +38,10 @@ class Case:
     def of(cls, scenario: Scenario, record: tuple[str, ...]) -> Case:
         """The case of a scenario, whose title and sweep do not matter."""
         scenario = scenario.model_copy(update={"title": "", "sweep": None})
+        if is_code_forbidden():  # asked here already: the computers of a cluster do not inherit the environment
+            from ropewalk.external.models import refuse_code  # lazy: most sweeps need no external models
+
+            refuse_code(scenario.loads)
         check_writable(scenario)
         tree = tree_of(scenario)
         identity = [ropewalk.__version__, text_of(tree), *sorted(record), *_files_in(tree)]
