@@ -21,6 +21,7 @@ from ropewalk.results.peaks import beside, lonely, missed, sharp, too_far_apart
 from ropewalk.results.pushing import PushWatch
 from ropewalk.results.roof_springs import stiff_below
 from ropewalk.results.strength import StrengthWatch
+from ropewalk.results.sudden_wind import blows_at_once
 
 if TYPE_CHECKING:
     from ropewalk.model import AnyLoad, Scenario
@@ -274,6 +275,7 @@ class Watch:
     def _diagnostics(self, force: Array) -> Iterator[str]:
         yield from started_too_close(self.scenario)
         yield from stiff_below(self.scenario)
+        yield from blows_at_once(self.scenario)
         yield from self._between_instants()
         yield from self._pushing.messages()
         yield from self._over_ground.messages()
