@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ropewalk.model.plausibility import implausible
 from ropewalk.results.audit import AUDIT, turnover
 from ropewalk.results.calm import started_too_close
 from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Array, Doubt, Frame, Layout, RunInfo
@@ -20,6 +21,7 @@ from ropewalk.results.lost_contact import LostContactWatch
 from ropewalk.results.peaks import beside, lonely, missed, sharp, too_far_apart
 from ropewalk.results.pushing import PushWatch
 from ropewalk.results.roof_springs import stiff_below
+from ropewalk.results.strain_range import StrainRangeWatch
 from ropewalk.results.strength import StrengthWatch
 from ropewalk.results.sudden_wind import blows_at_once
 
@@ -110,7 +112,7 @@ class Watch:
         self._balance, self._strengths = _Balance(), StrengthWatch(layout, scenario)
         self._pushing = PushWatch(layout, scenario)
         self._over_ground, self._lost_contact = GroundWatch(layout, scenario), LostContactWatch(layout, scenario)
-        self._hanging = HangingWatch(layout, scenario)
+        self._hanging, self._strains = HangingWatch(layout, scenario), StrainRangeWatch(layout, scenario)
         self._force = array("d")  # on the line, of each sample and contact, N
         self._instants = array("d")  # of these samples, s
         self._tension = array("d")  # largest, of each frame, N
@@ -131,6 +133,7 @@ class Watch:
         self._over_ground.see(frames)
         self._lost_contact.see(frames)
         self._hanging.see(frames)
+        self._strains.see(frames)
         self._been |= on.any(axis=0)
         fastest = np.fmax.accumulate(np.concatenate([self._fastest[None], self._in_waves(of)]))[1:]
         self._fastest = fastest[-1]
@@ -276,6 +279,8 @@ class Watch:
         yield from started_too_close(self.scenario)
         yield from stiff_below(self.scenario)
         yield from blows_at_once(self.scenario)
+        yield from implausible(self.scenario)
+        yield from self._strains.messages()
         yield from self._between_instants()
         yield from self._pushing.messages()
         yield from self._over_ground.messages()
