@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ropewalk.model.plausibility import implausible
 from ropewalk.results.audit import AUDIT, turnover
+from ropewalk.results.axial_restraint import AxialRestraintWatch
 from ropewalk.results.calm import started_too_close
 from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Array, Doubt, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
@@ -112,7 +113,8 @@ class Watch:
         self._balance, self._strengths = _Balance(), StrengthWatch(layout, scenario)
         self._pushing = PushWatch(layout, scenario)
         self._over_ground, self._lost_contact = GroundWatch(layout, scenario), LostContactWatch(layout, scenario)
-        self._hanging, self._strains = HangingWatch(layout, scenario), StrainRangeWatch(layout, scenario)
+        self._hanging = HangingWatch(layout, scenario)
+        self._ranges = StrainRangeWatch(layout, scenario), AxialRestraintWatch(layout, scenario)
         self._force = array("d")  # on the line, of each sample and contact, N
         self._instants = array("d")  # of these samples, s
         self._tension = array("d")  # largest, of each frame, N
@@ -133,7 +135,8 @@ class Watch:
         self._over_ground.see(frames)
         self._lost_contact.see(frames)
         self._hanging.see(frames)
-        self._strains.see(frames)
+        for watch in self._ranges:
+            watch.see(frames)
         self._been |= on.any(axis=0)
         fastest = np.fmax.accumulate(np.concatenate([self._fastest[None], self._in_waves(of)]))[1:]
         self._fastest = fastest[-1]
@@ -280,7 +283,8 @@ class Watch:
         yield from stiff_below(self.scenario)
         yield from blows_at_once(self.scenario)
         yield from implausible(self.scenario)
-        yield from self._strains.messages()
+        for watch in self._ranges:
+            yield from watch.messages()
         yield from self._between_instants()
         yield from self._pushing.messages()
         yield from self._over_ground.messages()
