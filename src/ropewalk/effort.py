@@ -14,7 +14,9 @@ import numpy as np
 from ropewalk.capabilities import SYSTEM, WIRES, engine_of
 from ropewalk.model.load import ExternalModel
 from ropewalk.model.mesh import is_asked_for
+from ropewalk.model.plausibility import implausible
 from ropewalk.model.run import Dynamic, Linear, Quasistatic
+from ropewalk.overhead.sample_range import check_samples
 from ropewalk.results.frame import RunInfo
 from ropewalk.results.running import TimeHistory
 
@@ -82,13 +84,20 @@ def effort_of(scenario: Scenario, run: Run, run_info: RunInfo) -> Effort | None:
 
 
 def foreseen(scenario: Scenario) -> tuple[str, list[str]]:
-    """What a run will be, in words, and what is to be remarked of how it begins; it is made ready for that.
+    """Describe the work of a run, and list warnings about its scenario and its beginning.
 
-    Nothing is made ready whose kernels are not compiled yet, nor models of others, nor several meshes.
+    Runs whose kernels are not compiled yet, with models of others or on several meshes are not prepared.
 
     Raises:
         RopewalkError: the run would not begin.
     """
+    warnings = [*check_samples(scenario), *implausible(scenario)]
+    work, more = _prepared(scenario)
+    return work, warnings + [warning for warning in more if warning not in warnings]
+
+
+def _prepared(scenario: Scenario) -> tuple[str, list[str]]:
+    """Describe the work of a run, and list what its engine warns of when it is made ready."""
     from ropewalk.simulate import must_compile, run_of  # lazy: who asks about a run that has begun needs neither
 
     run = scenario.run

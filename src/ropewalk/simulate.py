@@ -31,6 +31,7 @@ from ropewalk.model.people import with_people
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_of
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.train import Train
+from ropewalk.overhead.sample_range import check_samples
 from ropewalk.results.files import open_result
 from ropewalk.results.frame import SPLINE, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
@@ -210,6 +211,7 @@ def run_of(scenario: Scenario, run_info: RunInfo, times: Array | None = None, pa
         times: of a motion, its output instants in s (default: those that it asks for).
         past: what such a run has given as its state, to go on from there.
     """
+    run_info.warnings += check_samples(scenario)
     scenario = _formed(scenario)
     run = scenario.run
     if scenario.has_bending_stiffness and engine_of(scenario) in (SYSTEM, SUPERPOSED):

@@ -46,8 +46,8 @@ class Outputs(Declaration):
     )
 
 
-def _ground(points: Way | None) -> Iterator[Finding]:
-    path = ("outputs", "ground")
+def _ground(parts: Any) -> Iterator[Finding]:
+    path, points = ("outputs", "ground"), parts.outputs.ground
     if points is None:
         return
     if any(len(point) != 2 for point in points):
@@ -56,11 +56,17 @@ def _ground(points: Way | None) -> Iterator[Finding]:
         yield Finding(path, "is a single point", remedy="write two or more")
     elif any(b[0] <= a[0] for a, b in pairwise(points)):
         yield Finding(path, "goes back along x", remedy="sort its points by x, each once")
+    else:
+        ends = [end[0] for line in parts.lines.values() if line is not None for end in (line.start, line.end)]
+        if ends and (points[-1][0] < min(ends) or points[0][0] > max(ends)):
+            reach = f"from {points[0][0]:g} m to {points[-1][0]:g} m"
+            wrong = f"no part of it lies below the lines, which reach from x = {min(ends):g} m to {max(ends):g} m"
+            yield Finding(path, wrong, reach, "write x in m as of the ends of lines (divide values in mm by 1000)")
 
 
 def check_outputs(parts: Any) -> Iterator[Finding]:
     """Find places that are on no line, ground that goes back, and static parts that cannot be had."""
-    yield from _ground(parts.outputs.ground)
+    yield from _ground(parts)
     for name, place in parts.outputs.places.items():
         path: tuple[str, ...] = ("outputs", "places", name)
         if place.on not in parts.lines:

@@ -46,6 +46,9 @@ class Start(Declaration):
 
     kind: Literal["rest", "result", "mode"] = Field(default="rest", description="what the motion begins with")
     with_loads: bool = Field(default=False, description="rest: let the loads rest on the line at their start, too")
+    in_wind: bool = Field(
+        default=False, description="rest: equilibrium in the wind as it blows at t = 0 (default: in calm air)"
+    )
     file: str | None = Field(default=None, description="result: a NetCDF file written by an earlier run")
     time: TableTime | None = Field(default=None, description="result: the instant to start from (default: the last)")
     number: Annotated[int, Count(1, 1_000_000)] | None = Field(
@@ -66,7 +69,7 @@ class Start(Declaration):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         findings = []
-        own = {"rest": ("with_loads",), "result": ("file", "time")}
+        own = {"rest": ("with_loads", "in_wind"), "result": ("file", "time")}
         own["mode"] = ("number", "amplitude", "direction", "whirl", "line")
         for kind, keys in own.items():
             for key in keys:

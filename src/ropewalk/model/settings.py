@@ -23,6 +23,9 @@ def check_settings(parts: Parts) -> Iterator[Finding]:
     if run.start.with_loads and all(isinstance(load, ExternalModel) for load in parts.loads.values()):
         wrong = "with_loads needs loads" if parts.loads else "there are no loads"
         yield Finding(("run", "start", "with_loads"), wrong, "true", "leave it out")
+    if run.start.in_wind and not parts.is_airy:
+        wrong, remedy = "no wind acts on a line or load", "add wind and wind_drag of a line, or leave it out"
+        yield Finding(("run", "start", "in_wind"), wrong, "true", remedy)
 
 
 def _accuracy(parts: Parts, run: Dynamic) -> Iterator[Finding]:

@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ropewalk.model.plausibility import implausible
 from ropewalk.results.audit import AUDIT, turnover
+from ropewalk.results.axial_restraint import AxialRestraintWatch
 from ropewalk.results.calm import started_too_close
 from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Array, Doubt, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
@@ -20,7 +22,9 @@ from ropewalk.results.lost_contact import LostContactWatch
 from ropewalk.results.peaks import beside, lonely, missed, sharp, too_far_apart
 from ropewalk.results.pushing import PushWatch
 from ropewalk.results.roof_springs import stiff_below
+from ropewalk.results.strain_range import StrainRangeWatch
 from ropewalk.results.strength import StrengthWatch
+from ropewalk.results.sudden_wind import blows_at_once
 
 if TYPE_CHECKING:
     from ropewalk.model import AnyLoad, Scenario
@@ -110,6 +114,7 @@ class Watch:
         self._pushing = PushWatch(layout, scenario)
         self._over_ground, self._lost_contact = GroundWatch(layout, scenario), LostContactWatch(layout, scenario)
         self._hanging = HangingWatch(layout, scenario)
+        self._ranges = StrainRangeWatch(layout, scenario), AxialRestraintWatch(layout, scenario)
         self._force = array("d")  # on the line, of each sample and contact, N
         self._instants = array("d")  # of these samples, s
         self._tension = array("d")  # largest, of each frame, N
@@ -130,6 +135,8 @@ class Watch:
         self._over_ground.see(frames)
         self._lost_contact.see(frames)
         self._hanging.see(frames)
+        for watch in self._ranges:
+            watch.see(frames)
         self._been |= on.any(axis=0)
         fastest = np.fmax.accumulate(np.concatenate([self._fastest[None], self._in_waves(of)]))[1:]
         self._fastest = fastest[-1]
@@ -274,6 +281,10 @@ class Watch:
     def _diagnostics(self, force: Array) -> Iterator[str]:
         yield from started_too_close(self.scenario)
         yield from stiff_below(self.scenario)
+        yield from blows_at_once(self.scenario)
+        yield from implausible(self.scenario)
+        for watch in self._ranges:
+            yield from watch.messages()
         yield from self._between_instants()
         yield from self._pushing.messages()
         yield from self._over_ground.messages()

@@ -21,8 +21,9 @@ from ropewalk.system.contact.contact_record import FREE
 from ropewalk.system.contact.travel import CLOSE, ROUNDS
 from ropewalk.system.elements.inertia import turn_passed
 from ropewalk.system.elements.sheaves_at_rest import run_over
-from ropewalk.system.elements.structure import Structure, SystemState
+from ropewalk.system.elements.structure import Buffers, Structure, SystemState
 from ropewalk.system.equilibrium.constrained import bring, ways
+from ropewalk.system.equilibrium.rest import settled_in_wind
 from ropewalk.system.equilibrium.statics import SystemPotential
 from ropewalk.system.loads.loaded_structure import LoadedStructure
 
@@ -70,6 +71,30 @@ def begin_elsewhere(
         solve = sparse.linalg.lsqr(potential.free, state.v.ravel(), atol=0.0, btol=0.0)[0]
         r, rate = bring(potential, state.r.ravel(), solve)
         state.r[:], state.v[:] = r.reshape(state.r.shape), (potential.free @ rate).reshape(state.v.shape)
+
+
+def begin_in_wind(structure: Structure, state: SystemState, buffers: Buffers) -> None:
+    """Put a structure without its loads to its equilibrium in the wind as it blows at t = 0.
+
+    Args:
+        structure: what moves.
+        state: of the equilibrium in calm air; its places of nodes are changed.
+        buffers: of the motion, whose tensions of inextensible links are changed.
+
+    Raises:
+        EquilibriumError: there is none.
+    """
+    size = float(np.ptp(state.r, axis=1).max())
+    potential = SystemPotential(structure, LoadedStructure(structure, state.r.copy()), size)
+    if structure.saddles is not None:  # friction there holds lines where they lie in calm air
+        slips = potential.how
+        potential.stick(potential.taken())
+        potential.how = slips
+    shape = settled_in_wind(potential, potential.taken(), 0.0)
+    potential.forces(shape)
+    state.r[:] = potential.put(shape)[0]
+    if buffers.tight is not None:
+        buffers.tension[:] = potential.buffers.tension
 
 
 def _mode(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -34,7 +35,7 @@ from ropewalk.system.contact.contact_record import BODY
 from ropewalk.system.contact.feet import steps_by_table
 from ropewalk.system.dynamics import motion, stability
 from ropewalk.system.dynamics.asking import FAILED, Asking
-from ropewalk.system.dynamics.beginning import begin_elsewhere, measure_from_rest
+from ropewalk.system.dynamics.beginning import begin_elsewhere, begin_in_wind, measure_from_rest
 from ropewalk.system.dynamics.carrier import SHORTER, System, SystemCarrier
 from ropewalk.system.dynamics.cuts import Cuts, runs_ahead_of_cuts
 from ropewalk.system.dynamics.failing_ties import FailingTies
@@ -45,7 +46,7 @@ from ropewalk.system.elements.compliance import compliances
 from ropewalk.system.elements.inertia import remark_inertia, with_inertia
 from ropewalk.system.elements.structure import WORKS, Buffers, SystemState
 from ropewalk.system.equilibrium.carriages_at_rest import CarriagesAtRest
-from ropewalk.system.equilibrium.rest import about_rest, at_rest, least, refuse_limp, tensions
+from ropewalk.system.equilibrium.rest import about_rest, at_rest, least, refuse_limp, settled_in_wind, tensions
 from ropewalk.system.equilibrium.statics import SystemPotential
 from ropewalk.system.equilibrium.structures import structure_of
 from ropewalk.system.loads.crabs import Crabs, stand_on_lines
@@ -96,7 +97,7 @@ class SystemMotion:
     ) -> None:  # fmt: skip
         asked = scenario.run
         assert isinstance(asked, Dynamic)
-        self.run_info, self.times, self._scenario = run_info, times, scenario
+        self.run_info, self.times, self._scenario, self._in_wind = run_info, times, scenario, asked.start.in_wind
         self.assembled = structure_of(scenario, asked.until, axes)
         gravity = np.zeros(len(self.assembled.axes))
         gravity[-1] = -scenario.gravity
@@ -147,6 +148,8 @@ class SystemMotion:
                 bearing = self._settle(self.state.r)
             self._crabs.roll(self._locate, lambda: self._settle(self.state.r, self.state.u), self.state)
             measure_from_rest(self.contacts, self.state, self._locate)
+        elif asked.start.in_wind and not past:
+            begin_in_wind(self.structure, self.state, self._buffers)
         elif asked.start.kind != "rest" and not past:
             begin_elsewhere(
                 self.structure, self.state, asked.start, self._builder.node, self.layout.node_line,
@@ -289,7 +292,7 @@ class SystemMotion:
         potential = self._bearing(near)
         if u is not None:
             potential.loaded.state.u[: u.size] = u
-        shape = least(potential, potential.taken())
+        shape = (partial(settled_in_wind, t=0.0) if self._in_wind else least)(potential, potential.taken())
         potential.forces(shape)
         r, u = potential.put(shape)
         self.state.r[:], self.state.u[:] = r, u[: potential.loaded.own]

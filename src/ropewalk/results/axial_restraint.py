@@ -1,0 +1,114 @@
+"""Beams whose supports hold them along their axis, so that an axial force arises as they deflect."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ropewalk.model.joint import Joined
+from ropewalk.model.line import Line, spatial
+from ropewalk.model.support import Fixed, Guided
+from ropewalk.results.frame import Layout
+from ropewalk.results.frames import Frames
+
+if TYPE_CHECKING:
+    from ropewalk.model import Scenario
+
+_MUCH = 0.05  # of what bending bears, in the first mode of the longest span: from here on the axial force counts
+_STRAIGHT = 1e-6  # relative difference of length and distance, beyond which tension or sag is intended
+_ACROSS = 0.1  # cosine between rail and chord, below which a guided support holds along the chord
+
+
+class AxialRestraintWatch:
+    """Watches beams without a prescribed tension for the axial force that their supports cause.
+
+    Args:
+        layout: of the frames.
+        scenario: what is run.
+    """
+
+    def __init__(self, layout: Layout, scenario: Scenario) -> None:
+        self._layout, self._scenario = layout, scenario
+        of_link, loaded = np.array(layout.link_line), {load.on for load in scenario.loads.values()}
+        beams = {name: line for name, line in scenario.lines.items() if _is_untensioned(line)}
+        self._links = {  # what is joined and bears no load is a strut, with an axial force from elsewhere
+            name: np.flatnonzero(of_link == name)
+            for name, line in beams.items()
+            if name in loaded or not line.is_joined
+        }
+        self._most = dict[str, tuple[float, float, float]]()  # share of bending, N, path
+
+    def see(self, frames: Frames) -> None:
+        """Take note of frames."""
+        for name, links in self._links.items():
+            if not links.size:
+                continue
+            pull = np.nan_to_num(frames.of["tension"][:, links]).mean(axis=1)
+            i = int(pull.argmax())
+            found = float(pull[i]) / _bending(self._scenario.lines[name]), float(pull[i]), float(frames.path[i])
+            self._most[name] = max(self._most.get(name, found), found)
+
+    def messages(self) -> Iterator[str]:
+        """Yield a warning for each beam whose axial force bears much."""
+        when, unit = ("t =", "s") if self._layout.path == "time" else ("load path", "m")
+        for name, (share, pull, path) in self._most.items():
+            holders = list(_holders(self._scenario, name))
+            if share <= _MUCH or len(holders) < 2:
+                continue
+            yield (
+                f"beam {name} is held along its axis by {', '.join(key for key, _ in holders)}: as it deflects, an "
+                f"axial force of up to {pull:.4g} N arises ({when} {path:.4g} {unit}) and bears {100.0 * share:.3g} % "
+                f"of what its bending stiffness does; {_remedy(self._scenario.lines[name], holders)}"
+            )
+
+
+def _is_untensioned(line: Line) -> bool:
+    """Return whether a line has bending stiffness, and neither tension nor sag where nothing acts on it."""
+    straight = line.length is not None and abs(line.length - line.distance) <= _STRAIGHT * line.distance
+    return bool(line.bending_stiffness) and straight and not line.sheaves and not line.saddles
+
+
+def _bending(line: Line) -> float:
+    """Return the tension in N that bears as much as bending and bed in the first mode of the longest span."""
+    length = line.length or line.distance
+    knots = sorted([0.0, *(support.at for support in line.supports.values()), length])
+    wave = math.pi / max(b - a for a, b in pairwise(knots))
+    return line.bending_stiffness * wave**2 + line.foundation / wave**2
+
+
+def _holders(scenario: Scenario, name: str) -> Iterator[tuple[str, bool]]:
+    """Yield keys of the supports that hold a line along its chord, by way of lines that are joined to it, too.
+
+    Each with whether it may be replaced by one that slides.
+    """
+    beam = scenario.lines[name]
+    chord = np.subtract(spatial(beam.end), spatial(beam.start))
+    joined = any(isinstance(support, Joined) for _, support in beam.ends())
+    for other, line in scenario.lines.items():
+        if other != name and not (joined and line.bending_stiffness and line.is_joined):
+            continue
+        supports = [*line.ends(), *((f"supports.{key}", inner) for key, inner in line.supports.items())]
+        for key, support in supports:
+            if isinstance(support, Joined):
+                continue
+            if isinstance(support, Guided):
+                along = np.array(spatial(support.along))
+                cosine = abs(float(along @ chord)) / float(np.linalg.norm(along) * np.linalg.norm(chord))
+                if cosine > _ACROSS:
+                    continue
+            yield f"lines.{other}.{key}", not (isinstance(support, Fixed) and support.clamped)
+
+
+def _remedy(line: Line, holders: list[tuple[str, bool]]) -> str:
+    free = [key for key, slides in holders if slides]
+    if not free:
+        return (
+            "where ends may slide, leave clamped out at one of them, or leave the force out with geometry: linearised"
+        )
+    along = ", ".join(f"{b - a:.6g}" for a, b in zip(line.start, line.end, strict=True))
+    rails = " and of ".join(free[1 - len(holders) :] if len(free) == len(holders) else free)
+    return f"where they may slide, write {{kind: guided, along: [{along}]}} instead of {rails}"
