@@ -156,7 +156,7 @@ def samples(dataset: xr.Dataset) -> xr.Dataset:
     """
     import xarray as xr
 
-    time, kept = _instants(dataset)
+    time, kept = sampled_instants(dataset)
     out = {
         short: ((kind := dataset[name]).dims[2:] and ("instant", *kind.dims[2:]), kind.values[kept], kind.attrs)
         for short, name in _SAMPLED.items()
@@ -173,8 +173,8 @@ def samples(dataset: xr.Dataset) -> xr.Dataset:
     return xr.Dataset(out, coordinates, dataset.attrs)
 
 
-def _instants(dataset: xr.Dataset) -> tuple[Array, NDArray[np.bool_]]:
-    """Instants of the samples in s, and which entries (time, sample) they are."""
+def sampled_instants(dataset: xr.Dataset) -> tuple[Array, NDArray[np.bool_]]:
+    """Instants of the samples in s, and which entries (time, sample) they are: those within the run, each once."""
     end, offset = dataset["time"].values, dataset["sample"].values
     begin = np.concatenate([end[:1], end[:-1]])  # the first frame ends no interval
     time = end[:, None] + offset
@@ -401,7 +401,7 @@ def line_statistics(dataset: xr.Dataset, *, ties: bool = True) -> dict[str, Line
     hung = dataset["tie"].values.tolist() if "tie" in dataset.coords else []
     known = {} if scenario is None else scenario.overhead_lines
     names = list(known) or sorted({m[1] for tie in hung if (m := _DROPPER.fullmatch(tie))})
-    _, kept = _instants(dataset)
+    _, kept = sampled_instants(dataset)
     out = {}
     for name in names:
         line = known.get(name)
