@@ -51,8 +51,7 @@ class _Numbers(Formatter):
 
 
 def show_units(figure: Figure, units: DisplayUnits) -> None:
-    """Label all vertical axes and colour bars of a figure, drawn in SI units, in the units to show; level ones of places
-    as well."""
+    """Label vertical axes, colour bars and level axes of places, drawn in SI units, in the units to show."""
     for ax in figure.axes:
         if ax.name != "3d" and units.place.size != 1.0 and ax.get_xlabel().endswith("(m)"):
             ax.xaxis.set_major_locator(_Marks(units.place.size))

@@ -161,7 +161,8 @@ class Column:
         if found.get("time") is not None:
             yield f"t = {number(found['time'])} s"
         if found.get("load_path") is not None:
-            yield f"load path = {self.place(found['load_path']) if found['load_path'] else f'0 {self._units.place.symbol}'}"
+            unit = self._units.place
+            yield f"load path = {number(found['load_path'] / unit.size)} {unit.symbol}"
 
     def _round(self, value: float, unit: str) -> float:
         return 0.0 if abs(value) <= self._floor.get(unit, 0.0) else value

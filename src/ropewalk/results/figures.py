@@ -282,6 +282,7 @@ def _share_labels(rows: Sequence[Sequence[_Place]], drawn: dict[str, Axes]) -> N
     for row, below in pairwise(rows):
         for place in row:
             under = [o for o in below if o.first < place.last and o.last > place.first]
-            if place.covers(below) and {labels[o.name] for o in under} == {labels[place.name]} and not labels[place.name].startswith("x ("):
+            same = {labels[o.name] for o in under} == {labels[place.name]}
+            if place.covers(below) and same and not labels[place.name].startswith("x ("):
                 drawn[place.name].set_xlabel("")
                 drawn[place.name].tick_params(labelbottom=False)

@@ -185,7 +185,8 @@ class Spectrum:
         rows = [("", ""), ("mode", f"{'frequency':>12}  {'period':>12}  {'damping ratio':>13}  shape")]
         for number, (omega, ratio, name) in enumerate(named[:LISTED], 1):
             period = f"{math.tau / omega:.5g} s" if omega > 0.0 else "–"
-            row = f"{f'{omega / math.tau:.5g} Hz':>12}  {period:>12}  {ratio if ratio > ROUNDING else 0.0:>13.3g}  {name}"
+            damping = ratio if ratio > ROUNDING else 0.0
+            row = f"{f'{omega / math.tau:.5g} Hz':>12}  {period:>12}  {damping:>13.3g}  {name}"
             rows.append((str(number), row.rstrip()))
         if len(named) > LISTED:
             rows.append(("", f"the lowest {LISTED} of {len(named)} modes computed; --json lists all of them"))

@@ -58,7 +58,8 @@ def _headline(found: Summary, units: DisplayUnits) -> str:
         outcome = "unfinished (still running, or killed)"
     simulated = found["simulated"]
     unit = units.place if simulated["unit"] == "m" else DisplayUnit(simulated["unit"], 1.0)
-    head = f"{found['title']}: {outcome}, {number(simulated['value'] / unit.size)} {unit.symbol}, {found['frames']} frames"
+    length = f"{number(simulated['value'] / unit.size)} {unit.symbol}"
+    head = f"{found['title']}: {outcome}, {length}, {found['frames']} frames"
     doubts = [f"doubt: {doubt}" for doubt in found["doubts"]]
     return "\n".join([head, *([f"advice: {found['advice']}"] if found["advice"] else []), *doubts])
 
@@ -268,7 +269,7 @@ def _limit_rows(name: str, found: Summary) -> Iterator[Row]:
             f"at most {number(high)} {unit}" if low is None else f"above {number(low)} {unit}")  # fmt: skip
         sentence = f"{check['verdict']}  {bounds} [{check['mark']}] ({check['why']})"
         yield check["what"], f"{number(check['value'])} {unit}", sentence
-    yield "verdict", found["verdict"], found["remark"]
+    yield "verdict", found["verdict"], "; ".join(filter(None, (found["broken"], found["remark"])))
 
 
 def _acceptance_rows(found: Summary) -> Iterator[Row]:
@@ -403,8 +404,8 @@ def _payload_rows(name: str, payload: Summary, say: Column) -> Iterator[Row]:
         yield "largest speed", say(speed["value"], "m/s"), "  ".join(say.when(speed))
     pull, slack = payload["pull"], payload["slack"]["value"]
     if pull is not None:
-        sentence = f"slack at {number(100 * slack, 2)} % of the output instants" if slack else ""
-        yield "largest pull of its rope", say(pull["value"], "N"), "  ".join((*say.when(pull), *filter(None, [sentence])))
+        sentences = [f"slack at {number(100 * slack, 2)} % of the output instants"] if slack else []
+        yield "largest pull of its rope", say(pull["value"], "N"), "  ".join((*say.when(pull), *sentences))
     yield from place_rows(payload, say)
 
 
