@@ -37,13 +37,14 @@ Summary = dict[str, Any]
 
 
 def contact_summary(dataset: xr.Dataset) -> Summary:
-    """Give `pantographs` and `overhead_lines` of a result, by name; both are empty where it has none, or no samples.
+    """Give `pantographs` and `overhead_lines` of a result, by name; of one without samples droppers alone.
 
     Args:
         dataset: a result, in memory or lazy.
     """
     if not has_samples(dataset):
-        return {"pantographs": {}, "overhead_lines": {}}
+        lines = line_statistics(dataset) if dataset.sizes.get("tie", 0) else {}
+        return {"pantographs": {}, "overhead_lines": {name: _line(found) for name, found in lines.items()}}
     scenario = scenario_of(dataset)
     every = contact_statistics(dataset)
     judgements = limits_of(dataset, scenario, every)

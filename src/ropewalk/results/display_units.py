@@ -148,6 +148,11 @@ class Column:
             label = ["0" if float(text) == 0.0 else text for text in label]
         return f"{label[0]} to {label[1]} {displayed.symbol}".rstrip()
 
+    @property
+    def length(self) -> DisplayUnit:
+        """The unit of lengths about a metre."""
+        return self._units.of("m", [1.0])
+
     def place(self, value: float | None, *, with_unit: bool = True) -> str:
         """A coordinate to four digits, but no finer than a thousandth of its unit."""
         unit = self._units.place

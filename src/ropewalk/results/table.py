@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from ropewalk.results.display_units import Column, DisplayUnit, DisplayUnits, number, quantities
+from ropewalk.results.dropper_lengths import length_rows
+from ropewalk.results.joint_statistics import joint_rows
 from ropewalk.results.own_way import place_rows
 from ropewalk.results.statistics import Summary
 
@@ -102,6 +104,7 @@ def rows(found: Summary, units: DisplayUnits | None = None) -> Iterator[Row]:
     if found["supports"]:
         yield "Supports", "", ""
         yield from _support_rows(found["supports"], lines)
+    yield from joint_rows(found["joints"], column(*(joint["force"] for joint in found["joints"].values())))
     for name, contact in found["contacts"].items():
         if name in found["pantographs"]:
             yield from _pantograph_rows(name, found["pantographs"][name], column(found["pantographs"][name]))
@@ -129,7 +132,10 @@ def rows(found: Summary, units: DisplayUnits | None = None) -> Iterator[Row]:
         yield name, say(least["value"], "m"), "  ".join((f"at x = {say.place(least['x'])}", *say.when(least)))
     for name, line in found["overhead_lines"].items():
         uplifts = [{"value": support["uplift"], "unit": "m"} for support in line["supports"].values()]
-        yield from _overhead_rows(name, line, column(line["largest_dropper_force"], *uplifts))
+        say = column(line["largest_dropper_force"], *uplifts)
+        yield from _overhead_rows(name, line, say)
+        if not line["supports"]:
+            yield from length_rows(line["droppers"], say)
     for name, exchange in found["exchanges"].items():
         yield from _exchange_rows(name, exchange, column(exchange))
     yield from _energy_rows(
