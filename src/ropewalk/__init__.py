@@ -95,7 +95,7 @@ if TYPE_CHECKING:
     from ropewalk.sweeps.sweeping import sweep as sweep
 
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 # Where functions and results are; declarations are in `model`.
 _HOME = {

@@ -22,6 +22,9 @@ from ropewalk.errors import RopewalkError
 Tree = Any
 Arrays = dict[str, NDArray[Any]]
 
+ENGINE_NUMBER = 1
+"""Number of the numerical method: raised whenever the state of a run, or the numbers that follow from it, change."""
+
 _MAGIC = b"ropewalk"
 _HEAD = len(_MAGIC) + 8 + 32  # then the number of bytes that follow, and their SHA-256
 _TYPES = re.compile(r"[<|](f8|f4|i8|i4|i2|i1|u8|u4|u2|u1|b1|c16|c8|V[1-9][0-9]{0,5})")

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 SEVERAL = 3
 """So many problems of one cause are told as one."""
+_NAMED = 10  # names that a problem of many lists
+_NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
 
 class RopewalkError(Exception):
@@ -55,10 +58,40 @@ class ScenarioError(RopewalkError, ValueError):
 
     def __init__(self, problems: Sequence[Problem]) -> None:
         self.problems = tuple(problems)
-        super().__init__("\n".join(_once_each(self.problems)))
+        super().__init__("\n".join(_once_each(condensed(self.problems))))
 
     def __reduce__(self) -> tuple[type[ScenarioError], tuple[tuple[Problem, ...]]]:
         return ScenarioError, (self.problems,)
+
+
+def condensed(problems: Sequence[Problem]) -> list[Problem]:
+    """Return problems with those of one cause in many rows of a file, or entries of a list, as one.
+
+    The first of them stays, and its remedy gets the number of rows and the last one. Rows have one cause where they
+    differ in their values, in numbers within the text, and in the indices of their keys only.
+
+    Args:
+        problems: in the order of the file.
+    """
+
+    def cause(problem: Problem) -> tuple[str, ...]:
+        parts = problem.key.split(".")  # of which the second is a name, even if it is a number
+        key = ".".join("#" if part.isdigit() and k > 1 else part for k, part in enumerate(parts))
+        return problem.file, key, *(_NUMBER.sub("#", text) for text in (problem.wrong, problem.remedy))
+
+    groups: dict[tuple[str, ...], list[Problem]] = {}
+    for problem in problems:
+        groups.setdefault(cause(problem), []).append(problem)
+    found: list[Problem] = []
+    for group in groups.values():
+        first, last = group[0], group[-1]
+        if len(group) < SEVERAL:
+            found += group
+            continue
+        place = last.key if last.line in (None, first.line) else f"line {last.line}"
+        count = f"{len(group)} entries have this problem, the last one is {place}"
+        found.append(replace(first, remedy="; ".join(filter(None, (first.remedy, count)))))
+    return found if len(found) < len(problems) else list(problems)
 
 
 def _once_each(problems: Sequence[Problem]) -> Iterator[str]:
@@ -79,6 +112,7 @@ def _once_each(problems: Sequence[Problem]) -> Iterator[str]:
         if others and isinstance(shape, tuple):
             names = [problem.key.split(".")[shape[0]] for problem in others]
             lines = [str(problem.line) for problem in others if problem.line is not None]
+            names = [*names[:_NAMED], f"{len(names) - _NAMED} more"] if len(names) > _NAMED + 1 else names
             text += f" (also {', '.join(names)}{f': lines {lines[0]} to {lines[-1]}' if lines else ''})"
         yield text
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import ropewalk
-from ropewalk.checkpoint import CheckpointError
+from ropewalk.checkpoint import ENGINE_NUMBER, CheckpointError
 from ropewalk.errors import ScenarioError
 from ropewalk.model.history import SpeedTable
 from ropewalk.model.pantograph import Pantograph
@@ -135,6 +135,7 @@ def _checked(past: Past) -> Scenario:
         raise ResultError(f"{path}: its scenario cannot be read") from problem
     if kind != "dynamic":
         raise ResultError(f"{path}: a run of kind {kind} cannot be resumed; run it again")
+    _refuse_other_engine(past)
     version = metadata.get("ropewalk_version")
     if version != ropewalk.__version__:
         raise ResultError(f"{path}: was written by ropewalk {version}, this is {ropewalk.__version__}; run it again")
@@ -157,6 +158,24 @@ def _checked(past: Past) -> Scenario:
         if was.get(key) != now.get(key):
             raise ResultError(f"{path}: the file that {key} names is not there or not what it was; run it again")
     return scenario
+
+
+def _refuse_other_engine(past: Past) -> None:
+    """Refuse a file whose result or checkpoint was computed by another engine.
+
+    Raises:
+        ResultError: with both engine numbers.
+    """
+    numbers = {"result": past.attributes.get("engine_number")}
+    if past.checkpoint is not None:
+        numbers["checkpoint"] = past.checkpoint.get("engine_number")
+    for part, number in numbers.items():
+        if number != ENGINE_NUMBER:
+            written = "an older version, without an engine number" if number is None else f"engine {number}"
+            raise ResultError(
+                f"{past.path}: the {part} was computed by {written}; this version has engine {ENGINE_NUMBER} and cannot "
+                "continue it. Run the scenario again from the start"
+            )
 
 
 def _named_only(tree: Any, where: str = "") -> str | None:

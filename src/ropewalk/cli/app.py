@@ -20,7 +20,7 @@ from ropewalk.cli.console import (
     FILM_SUFFIXES,
     TABLE_SUFFIXES,
     TRACEBACK,
-    check_picture,
+    check_pictures,
     display_units,
     fail,
     finish,
@@ -42,6 +42,7 @@ from ropewalk.cli.console import (
 )
 from ropewalk.cli.lines import elasticity
 from ropewalk.cli.options import Json, NoCode, Picture, Quiet, ScenarioFile, Settings, Units, Workers
+from ropewalk.cli.single_options import CommandOfSingleOptions
 from ropewalk.cli.studio import studio
 from ropewalk.cli.validating import validate
 from ropewalk.permission import forbid_code, is_code_forbidden
@@ -201,12 +202,12 @@ def resume(
 def show(
     result: Annotated[Path, typer.Argument(metavar="OUT.nc", help="Result file.")],
     output: Annotated[
-        Path | None,
+        list[Path] | None,
         typer.Option(
             "-o",
             "--output",
             metavar="FIG|FILM|REPORT|TABLE|PVD",
-            help="Write a .png, .svg, .pdf, .gif, .mp4, .html, .csv, .xlsx, .parquet, or a .pvd for ParaView.",
+            help="Write a .png, .svg, .pdf, .gif, .mp4, .html, .csv, .xlsx, .parquet, or a .pvd for ParaView; repeat it.",
         ),
     ] = None,
     every: Annotated[
@@ -234,28 +235,32 @@ def show(
     """Print the summary of a result, or draw, film or export it. The suffix says what."""
     with reported():
         if (many := import_module("ropewalk.sweeps.writing").read(result)) is not None:
-            import_module("ropewalk.sweeps.command").tell(many, [output] if output else [], as_json, quiet)
+            import_module("ropewalk.sweeps.command").tell(many, output or [], as_json, quiet)
             return
-        check_picture(output)
-        kind = "" if output is None else output.suffix.lower()
-        if (every or at) and (kind not in TABLE_SUFFIXES or panels):
-            fail(f"--every and --at choose the rows of tables; write one with -o OUT{', OUT'.join(TABLE_SUFFIXES)}")
-        if panels and kind not in (*FIGURE_SUFFIXES, *TABLE_SUFFIXES):
-            fail(f"--panels chooses what a figure shows; write one with -o OUT{', OUT'.join(FIGURE_SUFFIXES)}")
-        if size and kind not in (*FIGURE_SUFFIXES, *FILM_SUFFIXES):
-            fail("--size is that of a figure or a film; write one with -o")
+        check_pictures(output)
+        _check_choices({file.suffix.lower() for file in output or []}, every or at, panels, size)
         displayed = display_units(units or "engineering")
         from ropewalk.results import open_result, summary
 
         with open_result(result) as dataset:
-            if output is None or as_json:
+            if not output or as_json:
                 print_summary({"file": str(result), **summary(dataset)}, as_json, quiet, displayed)
-            if output is None:
-                return
             names = None if panels is None else [name.strip() for name in panels.split(",")]
-            written = show_in(dataset, output, quiet, names, size, None if units is None else displayed, every, at)
-        if not quiet:
-            say(f"{' and '.join(map(str, written))} written")
+            for file in output or []:
+                own = names if file.suffix.lower() in (*FIGURE_SUFFIXES, *TABLE_SUFFIXES) else None
+                written = show_in(dataset, file, quiet, own, size, None if units is None else displayed, every, at)
+                if not quiet:
+                    say(f"{' and '.join(map(str, written))} written")
+
+
+def _check_choices(kinds: set[str], rows: str | list[str] | None, panels: str | None, size: str | None) -> None:
+    """Refuse options that none of the kinds of files to write has."""
+    if rows and (panels or not kinds & {*TABLE_SUFFIXES}):
+        fail(f"--every and --at choose the rows of tables; write one with -o OUT{', OUT'.join(TABLE_SUFFIXES)}")
+    if panels and not kinds & {*FIGURE_SUFFIXES, *TABLE_SUFFIXES}:
+        fail(f"--panels chooses what a figure shows; write one with -o OUT{', OUT'.join(FIGURE_SUFFIXES)}")
+    if size and not kinds & {*FIGURE_SUFFIXES, *FILM_SUFFIXES}:
+        fail("--size is that of a figure or a film; write one with -o")
 
 
 @app.command()
@@ -286,24 +291,22 @@ def spectrum(
     at: Annotated[
         float | None, typer.Option("--at", metavar="TIME", help="Instant of the run in s [default: at rest].")
     ] = None,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="FIG", help="Draw the lowest modes: .png, .svg or .pdf.")
-    ] = None,
+    output: Picture = None,
     no_code: NoCode = False,
     settings: Settings = None,
     as_json: Json = False,
 ) -> None:
     """Compute natural frequencies and damping; draw the modes. They decide the method."""
     with reported():
-        check_picture(output, FIGURE_SUFFIXES)
+        check_pictures(output, FIGURE_SUFFIXES)
         found = import_module("ropewalk.simulate").spectrum_of(load_scenario(file, settings, no_code), at=at)
         if as_json:
             print_json(found.as_dict())
         else:
             print_columns([*found.table()])
-        if output is not None:
-            save_figure(import_module("ropewalk.results.mode_figure").mode_figure(found), output)
-            say(f"{output} written")
+        for picture in output or []:
+            save_figure(import_module("ropewalk.results.mode_figure").mode_figure(found), picture)
+            say(f"{picture} written")
 
 
 @app.command()
@@ -334,7 +337,7 @@ def compare(
 ) -> None:
     """Compare simpler models with the full one. Is one of them, from the linear theory upwards, good enough?"""
     with reported():
-        check_picture(output, FIGURE_SUFFIXES)
+        check_pictures(output, FIGURE_SUFFIXES)
         scenario = load_scenario(file, settings, no_code)
         package = import_module("ropewalk.compare")
         with progress_of_many(quiet) as progress:
@@ -345,10 +348,10 @@ def compare(
             print_columns(found.table())
             print_columns([("", ""), *found.assumptions.table(), ("", "")])
             typer.echo(found.verdict)
-        if output is not None:
-            save_figure(found.figure(), output)
+        for picture in output or []:
+            save_figure(found.figure(), picture)
             if not quiet:
-                say(f"{output} written")
+                say(f"{picture} written")
 
 
 for command in many.COMMANDS:
@@ -432,3 +435,6 @@ def schema() -> None:
 
 
 app.command()(calc)
+
+for command_info in app.registered_commands:
+    command_info.cls = CommandOfSingleOptions

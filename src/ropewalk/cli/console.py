@@ -124,16 +124,15 @@ def print_columns(rows: list[tuple[str, ...]]) -> None:
         typer.echo("  ".join([f"{what:{widths[0]}}", *(cells if len(cells) > 1 else values)]).rstrip())
 
 
-def check_picture(
-    output: Path | None,
+def check_pictures(
+    outputs: Sequence[Path] | None,
     known: tuple[str, ...] = (*FIGURE_SUFFIXES, *FILM_SUFFIXES, REPORT_SUFFIX, EXPORT_SUFFIX, *TABLE_SUFFIXES),
 ) -> None:
-    if output is None:
-        return
-    if output.suffix.lower() not in known:
-        fail(f"{output}: unknown kind of picture, report or table; the name must end in {', '.join(known)}")
-    if not output.parent.is_dir():
-        fail(f"{output}: the folder {output.parent} does not exist; create it or choose another place")
+    for output in outputs or ():
+        if output.suffix.lower() not in known:
+            fail(f"{output}: unknown kind of picture, report or table; the name must end in {', '.join(known)}")
+        if not output.parent.is_dir():
+            fail(f"{output}: the folder {output.parent} does not exist; create it or choose another place")
 
 
 def write_text(text: str, output: Path) -> None:

@@ -10,7 +10,7 @@ import typer
 
 from ropewalk.cli.console import (
     FIGURE_SUFFIXES,
-    check_picture,
+    check_pictures,
     load_scenario,
     now_called,
     print_json,
@@ -41,14 +41,14 @@ def adequacy(
 ) -> None:
     """Map where in a plane of two parameters a model suffices. Goes on where a map was stopped."""
     with reported(), progress_of_many(quiet) as progress:
-        check_picture(output, FIGURE_SUFFIXES)
+        check_pictures(output, FIGURE_SUFFIXES)
         model = rung or model
         found = import_module("ropewalk.compare.command").adequacy_from_text(
             load_scenario(file, settings, no_code), (x, y), model, quantity, tolerance,
             store or Path(f"{file.stem}.adequacy.jsonl"), workers, retry, progress,
         )  # fmt: skip
-        if output is not None:
-            save_figure(found.figure(model), output)
+        for picture in output or []:
+            save_figure(found.figure(model), picture)
     if as_json:
         print_json(found.as_dict())
     elif not quiet:

@@ -12,7 +12,10 @@ Settings = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Change a value, as run.until=2s; may be repeated."),
 ]
-Picture = Annotated[Path | None, typer.Option("-o", "--output", metavar="FIG", help="Figure: .png, .svg or .pdf.")]
+Picture = Annotated[
+    list[Path] | None,
+    typer.Option("-o", "--output", metavar="FIG", help="Figure: .png, .svg or .pdf; may be repeated."),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 NoCode = Annotated[bool, typer.Option("--no-code", help="Refuse files that run external code: steppers and FMUs.")]
 Units = Annotated[

@@ -86,9 +86,9 @@ class Measurements:
             assert found is not None
             try:
                 size = to_si(f"1 {found[2]}", _si(found[2])) if found[2] else 1.0
-                columns.append((found[1], table[name].astype(float).to_numpy() * size))
             except (Refused, ValueError) as error:
                 raise ResultError(f"{file}: column {name}: {error}") from None
+            columns.append((found[1], _numbers(file, name, table[name]) * size))
         series = np.concatenate([values for _, values in columns[1:]])
         return cls(tuple(name for name, _ in columns[1:]), columns[0][1], series, np.ones(series.size), False)
 
@@ -132,6 +132,24 @@ class Measurements:
             span = f"{self.times.min():g} to {self.times.max():g} s"
             refuse("data", "the series is longer than the run", span, "lengthen run.until, or cut the data")
         return np.asarray(np.interp(self.times, times, values))
+
+
+def _numbers(file: Path, name: str, cells: Any) -> Array:
+    """Numbers of a column of text.
+
+    Raises:
+        ResultError: with the first cell that is no finite number, and how many there are.
+    """
+    import pandas as pd
+
+    numbers = pd.to_numeric(cells, errors="coerce").to_numpy(dtype=np.float64)
+    wrong = np.flatnonzero(~np.isfinite(numbers))
+    if wrong.size:
+        given = "an empty cell" if pd.isna(cells.iloc[wrong[0]]) else repr(cells.iloc[wrong[0]])
+        count = f"{wrong.size} cells have this problem" if wrong.size > 1 else "it is the only one"
+        where = f"row {wrong[0] + 1} below the head"
+        raise ResultError(f"{file}: column {name}: {where} is no number, given {given}; write a number; {count}")
+    return numbers
 
 
 def _frequencies(scenario: Scenario, count: int) -> Array:

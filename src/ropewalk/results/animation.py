@@ -24,6 +24,7 @@ from ropewalk.results.contact_film import ContactStage, is_filmed_here
 from ropewalk.results.contract import path_name
 from ropewalk.results.display_units import DisplayUnits
 from ropewalk.results.drawn import drawn_position
+from ropewalk.results.drawn_bodies import drawn_bodies
 from ropewalk.results.files import ResultError
 from ropewalk.results.frame import Array
 from ropewalk.results.meter import Meter
@@ -189,7 +190,7 @@ class Stage:
         position = drawn_position(displayed)[..., [0, -1]]
         self._lines = [_Curve.of(displayed, dataset, line, position) for line in lines(dataset)]
         self._spots: Array = displayed["contact_position"].values[..., [0, -1]]
-        self._bodies: Array = displayed["body_position"].values[..., [0, -1]]
+        self._bodies: Array = drawn_bodies(displayed)[..., [0, -1]]
         self._pairs = ties(dataset)
         self._forces: Array = displayed["contact_force"].values[..., [0, -1]]
         seen = [position, self._bodies]

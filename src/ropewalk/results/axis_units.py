@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 SMALL, LARGE = 0.01, 1e5  # in the unit shown: smaller and larger numbers are labelled with a power of ten
 _LABEL = re.compile(r"(?P<what>.*)\((?P<unit>[^()]+)\)(?P<more>[^()]*)")
-_PLACE = re.compile(r"[xyz] |time |load path ")  # coordinates and instants stay in m and s
+_PLACE = re.compile(r"[xyz] |time |load path ")  # coordinates and instants
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -51,16 +51,20 @@ class _Numbers(Formatter):
 
 
 def show_units(figure: Figure, units: DisplayUnits) -> None:
-    """Label all vertical axes and colour bars of a figure, drawn in SI units, in the units to show."""
+    """Label vertical axes, colour bars and level axes of places, drawn in SI units, in the units to show."""
     for ax in figure.axes:
+        if ax.name != "3d" and units.place.size != 1.0 and ax.get_xlabel().endswith("(m)"):
+            ax.xaxis.set_major_locator(_Marks(units.place.size))
+            ax.xaxis.set_major_formatter(_Numbers(units.place.size))
+            ax.set_xlabel(f"{ax.get_xlabel()[:-3]}({units.place.symbol})", fontsize=style.LABEL, color=style.INK)
         low, high = ax.get_ylim()
         if ax.name != "3d" and ax.get_yscale() == "linear" and (displayed := unit_of(ax, units)) is not None:
             _label(ax, ax.yaxis, displayed, max(abs(low), abs(high)))
 
 
-def displayed_size(ax: Axes) -> float:
-    """Size in SI units of the unit that a vertical axis is labelled in."""
-    numbers = ax.yaxis.get_major_formatter()
+def displayed_size(axis: Axis) -> float:
+    """Size in SI units of the unit that an axis is labelled in."""
+    numbers = axis.get_major_formatter()
     return numbers.size if isinstance(numbers, _Numbers) else 1.0
 
 
@@ -70,7 +74,7 @@ def unit_of(ax: Axes, units: DisplayUnits) -> DisplayUnit | None:
     if found is None or found["unit"] not in ENGINEERING:
         return None
     if _PLACE.match(found["what"]):
-        return DisplayUnit(found["unit"], 1.0)
+        return units.place if found["unit"] == "m" else DisplayUnit(found["unit"], 1.0)
     return units.of(found["unit"], [ax.get_ylim()])
 
 

@@ -32,7 +32,7 @@ from ropewalk.results.contact_statistics import (
 from ropewalk.results.contact_summary import limits_of
 from ropewalk.results.course import courses, on_lines, on_strips, transitions
 from ropewalk.results.frame import Array
-from ropewalk.results.limits import Judgement
+from ropewalk.results.limits import FAIL, Judgement
 from ropewalk.results.table import ROUND_OFF
 
 if TYPE_CHECKING:
@@ -201,11 +201,13 @@ def _force(ax: Axes, history: _LoadHistory, *, alone: bool) -> None:
     high = float(np.percentile(seen, 99.9)) if seen.size else 1.0
     low = min(0.0, found.statistical_minimum) if math.isfinite(found.deviation) else 0.0
     if history.judgement is not None and math.isfinite(found.mean):
-        limit = next(check.high for check in history.judgement.checks if check.quantity == "maximum")
-        high = max(high, limit / 1.1)
+        check = next(check for check in history.judgement.checks if check.quantity == "maximum")
+        high = max(high, check.high / 1.1)
         strict: dict[str, Any] = {"color": style.RED, "linewidth": style.LINE, "linestyle": (0, (1, 1))}
-        caption = f"largest allowed: {limit:g} N; {history.judgement.verdict}"
-        ax.plot([found.first, found.last], [limit] * 2, **strict, label=caption)
+        caption = f"largest allowed: {check.high:g} N; {check.verdict}"
+        ax.plot([found.first, found.last], [check.high] * 2, **strict, label=caption)
+        if others := [name for name in history.judgement.broken if name != check.what]:
+            ax.plot([], [], linestyle="none", label=f"{FAIL}: {', '.join(others)}")
     ax.set_ylim(low - 0.04 * high, 1.35 * high)
     style.dress(ax, "Contact force" if alone else f"Contact force of {history.name}", STATION, "force (N)")
     style.legend(ax)

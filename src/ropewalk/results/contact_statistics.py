@@ -156,7 +156,7 @@ def samples(dataset: xr.Dataset) -> xr.Dataset:
     """
     import xarray as xr
 
-    time, kept = _instants(dataset)
+    time, kept = sampled_instants(dataset)
     out = {
         short: ((kind := dataset[name]).dims[2:] and ("instant", *kind.dims[2:]), kind.values[kept], kind.attrs)
         for short, name in _SAMPLED.items()
@@ -173,8 +173,8 @@ def samples(dataset: xr.Dataset) -> xr.Dataset:
     return xr.Dataset(out, coordinates, dataset.attrs)
 
 
-def _instants(dataset: xr.Dataset) -> tuple[Array, NDArray[np.bool_]]:
-    """Instants of the samples in s, and which entries (time, sample) they are."""
+def sampled_instants(dataset: xr.Dataset) -> tuple[Array, NDArray[np.bool_]]:
+    """Instants of the samples in s, and which entries (time, sample) they are: those within the run, each once."""
     end, offset = dataset["time"].values, dataset["sample"].values
     begin = np.concatenate([end[:1], end[:-1]])  # the first frame ends no interval
     time = end[:, None] + offset
@@ -388,26 +388,25 @@ def _target(pantograph: Pantograph | None, speed: float) -> float:
 
 
 def line_statistics(dataset: xr.Dataset, *, ties: bool = True) -> dict[str, LineStatistics]:
-    """What supports and droppers of every overhead line go through in a result with samples.
+    """What supports and droppers of every overhead line go through: between output instants, or without samples at them.
 
     Args:
         dataset: a result.
         ties: look at droppers, too.
     """
-    if not has_samples(dataset):
-        return {}
+    sampled = has_samples(dataset)
     scenario = scenario_of(dataset)
     watched = dataset["watched"].values.tolist() if "watched" in dataset.coords else []
     hung = dataset["tie"].values.tolist() if "tie" in dataset.coords else []
     known = {} if scenario is None else scenario.overhead_lines
     names = list(known) or sorted({m[1] for tie in hung if (m := _DROPPER.fullmatch(tie))})
-    _, kept = _instants(dataset)
+    kept = sampled_instants(dataset)[1] if sampled else None
     out = {}
     for name in names:
         line = known.get(name)
         low, high = analysed_stations(line)
         supports = {}
-        for k, label in enumerate(watched):
+        for k, label in enumerate(watched if kept is not None else ()):
             if label.startswith(f"{name}.support."):
                 station = float(dataset["watched_station"].values[k])
                 uplift = dataset["sampled_uplift"][:, :, k].values[kept]
@@ -425,16 +424,17 @@ def _droppers(
     dataset: xr.Dataset,
     line: OverheadLine | None,
     which: list[int],
-    kept: NDArray[np.bool_],
+    kept: NDArray[np.bool_] | None,
     limits: tuple[float, float],
 ) -> dict[str, DropperStatistics]:
     """Read in pieces: long lines have many droppers."""
     lengths = dropper_lengths(dataset, line, which)
-    interval = _interval(dataset["sample"].values)
+    interval = math.nan if kept is None else _interval(dataset["sample"].values)
     out = {}
     for first in range(0, len(which), 100):
         piece = which[first : first + 100]
-        force = dataset["sampled_tie_force"].isel(tie=piece).values[kept]
+        sampled = dataset["tie_force" if kept is None else "sampled_tie_force"].isel(tie=piece).values
+        force = sampled if kept is None else sampled[kept]
         for i, k in enumerate(piece):
             station, pull = float(dataset["tie_station"].values[k]), force[:, i][np.isfinite(force[:, i])]
             is_slack = pull <= 0.0

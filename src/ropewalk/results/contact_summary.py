@@ -23,7 +23,7 @@ from ropewalk.results.contact_statistics import (
 )
 from ropewalk.results.contract import doubts_of
 from ropewalk.results.course import transitions
-from ropewalk.results.limits import FAIL, SEPARATOR, UNKNOWN, Judgement, judged
+from ropewalk.results.limits import SEPARATOR, UNKNOWN, Judgement, judged
 from ropewalk.results.strips import UNITS as STRIP_UNITS
 from ropewalk.results.strips import StripStatistics, rotation_ranges, strip_statistics
 
@@ -37,13 +37,14 @@ Summary = dict[str, Any]
 
 
 def contact_summary(dataset: xr.Dataset) -> Summary:
-    """Give `pantographs` and `overhead_lines` of a result, by name; both are empty where it has none, or no samples.
+    """Give `pantographs` and `overhead_lines` of a result, by name; of one without samples droppers alone.
 
     Args:
         dataset: a result, in memory or lazy.
     """
     if not has_samples(dataset):
-        return {"pantographs": {}, "overhead_lines": {}}
+        lines = line_statistics(dataset) if dataset.sizes.get("tie", 0) else {}
+        return {"pantographs": {}, "overhead_lines": {name: _line(found) for name, found in lines.items()}}
     scenario = scenario_of(dataset)
     every = contact_statistics(dataset)
     judgements = limits_of(dataset, scenario, every)
@@ -137,9 +138,9 @@ def _limits(found: Judgement | None) -> Summary | None:
     # JSON knows no infinity: a limit that there is not is none.
     checks = [asdict(c) | {k: getattr(c, k) if math.isfinite(getattr(c, k)) else None for k in ("value", "low", "high")}
               for c in found.checks]  # fmt: skip
-    count = None if found.verdict == UNKNOWN else float(sum(check.verdict == FAIL for check in found.checks))
+    count = None if found.verdict == UNKNOWN else float(len(found.broken))
     failures = {"value": count, "unit": "1"}  # for sweeps, which keep numbers
-    broken = SEPARATOR.join(check.what for check in found.checks if check.verdict == FAIL)
+    broken = SEPARATOR.join(found.broken)
     text = {"title": found.title, "remark": found.remark, "verdict": found.verdict}
     return text | {"failures": failures, "broken": broken, "checks": checks}
 

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import ropewalk
+from ropewalk.checkpoint import ENGINE_NUMBER
 from ropewalk.results.frame import ENERGY_FORMS, Layout, RunInfo
 
 if TYPE_CHECKING:
@@ -242,6 +243,7 @@ def scenario_attributes(scenario: Scenario) -> dict[str, Attribute]:
         "title": scenario.title,
         "source": f"ropewalk {ropewalk.__version__}",
         "ropewalk_version": ropewalk.__version__,
+        "engine_number": ENGINE_NUMBER,
         "scenario": text,
         "scenario_sha256": hashlib.sha256(text.encode()).hexdigest(),
     }

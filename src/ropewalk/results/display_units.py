@@ -47,7 +47,8 @@ ENGINEERING: Mapping[str, _UnitSteps] = {
 
 _WITHOUT_DIMENSION = {"%": "strain", "deg": "rad", "rad": "rad", "mrad": "rad"}
 PLACES = ("line", "xi", "x", "y", "z", "time", "load_path", "station")
-"""Where and when something was found: always in m and s."""
+"""Where and when something was found: in m and s, lengths in a named unit that is not a part of the metre."""
+PLACE = "place"  # stands for the SI unit of coordinates
 
 
 @dataclass(frozen=True)
@@ -72,8 +73,16 @@ class DisplayUnits:
             if part.lower() in ("", "engineering", "si"):
                 steps = {} if part.lower() == "si" else steps
                 continue
-            steps[_quantity_of(part)] = (DisplayUnit("°" if part == "deg" else part, measure(part)[0]),)
+            size = measure(part)[0]
+            steps[_quantity_of(part)] = (DisplayUnit("°" if part == "deg" else part, size),)
+            if _quantity_of(part) == "m" and (size >= 1.0 or not part.endswith("m")):  # places in mm help nobody
+                steps[PLACE] = (DisplayUnit(part, size),)
         return cls(steps)
+
+    @property
+    def place(self) -> DisplayUnit:
+        """The unit of coordinates."""
+        return self.steps.get(PLACE, (DisplayUnit("m", 1.0),))[0]
 
     def of(self, unit: str, values: Iterable[Any]) -> DisplayUnit:
         """The unit for numbers that stand beside each other, of which the largest one decides.
@@ -138,6 +147,27 @@ class Column:
             label = [f"{end:.{decimals(largest, digits)}f}" for end in ends]
             label = ["0" if float(text) == 0.0 else text for text in label]
         return f"{label[0]} to {label[1]} {displayed.symbol}".rstrip()
+
+    @property
+    def length(self) -> DisplayUnit:
+        """The unit of lengths about a metre."""
+        return self._units.of("m", [1.0])
+
+    def place(self, value: float | None, *, with_unit: bool = True) -> str:
+        """A coordinate to four digits, but no finer than a thousandth of its unit."""
+        unit = self._units.place
+        if value is None:
+            return "–"
+        here = value / unit.size
+        return (number(here) if abs(here) >= 1.0 else f"{here:.3f}") + (f" {unit.symbol}" if with_unit else "")
+
+    def when(self, found: Mapping[str, Any]) -> Iterator[str]:
+        """The instant, or the place of the load, at which something was found."""
+        if found.get("time") is not None:
+            yield f"t = {number(found['time'])} s"
+        if found.get("load_path") is not None:
+            unit = self._units.place
+            yield f"load path = {number(found['load_path'] / unit.size)} {unit.symbol}"
 
     def _round(self, value: float, unit: str) -> float:
         return 0.0 if abs(value) <= self._floor.get(unit, 0.0) else value

@@ -95,11 +95,12 @@ def figure_data(
     found = {}
     for name, ax in drawn.items():
         parts = [pd.DataFrame(columns=["curve", _head(ax.get_xlabel()), _head(ax.get_ylabel())])]
+        sizes = displayed_size(ax.xaxis), displayed_size(ax.yaxis)
         for line in ax.lines:
             label, points = str(line.get_label()), np.asarray(line.get_xydata())
             if not re.match(r"_child\d", label) and len(points):
                 named = {"curve": label.removeprefix("_")}
-                values = zip(parts[0].columns[1:], (points[:, 0], points[:, 1] / displayed_size(ax)), strict=True)
+                values = zip(parts[0].columns[1:], points.T / np.array([sizes]).T, strict=True)
                 parts.append(pd.DataFrame(named | dict(values)))
         if name != "space":
             found[name] = pd.concat(parts[1:] or parts, ignore_index=True)
@@ -274,13 +275,14 @@ def _share_labels(rows: Sequence[Sequence[_Place]], drawn: dict[str, Axes]) -> N
     labels = {name: ax.get_xlabel() for name, ax in drawn.items()}
     first: dict[str, Axes] = {}
     for name, ax in drawn.items():
-        if labels[name] in ("", "x (m)"):  # shapes and plans have scales of their own
+        if not labels[name] or labels[name].startswith("x ("):  # shapes and plans have scales of their own
             continue
         if (leader := first.setdefault(labels[name], ax)) is not ax:
             ax.sharex(leader)
     for row, below in pairwise(rows):
         for place in row:
             under = [o for o in below if o.first < place.last and o.last > place.first]
-            if place.covers(below) and {labels[o.name] for o in under} == {labels[place.name]} != {"x (m)"}:
+            same = {labels[o.name] for o in under} == {labels[place.name]}
+            if place.covers(below) and same and not labels[place.name].startswith("x ("):
                 drawn[place.name].set_xlabel("")
                 drawn[place.name].tick_params(labelbottom=False)

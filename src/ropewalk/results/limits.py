@@ -53,6 +53,11 @@ class Judgement:
         verdicts = [check.verdict for check in self.checks]
         return FAIL if FAIL in verdicts else UNKNOWN if UNKNOWN in verdicts else PASS
 
+    @property
+    def broken(self) -> tuple[str, ...]:
+        """Names of the quantities that fail."""
+        return tuple(check.what for check in self.checks if check.verdict == FAIL)
+
 
 def mean_range(system: System, speed: float) -> tuple[float, float]:
     """Least and largest mean contact force, N.

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ropewalk.results import style
+from ropewalk.results.spectrum import ROUNDING
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
 
 DISPLAYED = 12  # modes
 COLUMNS = 3
-UNDAMPED = 1e-9  # damping ratios below are rounding errors
 SMALL = 1e-6  # of the largest displacement: a component that is nowhere larger is not drawn
 COMPONENTS = (("x", style.GREEN, ":"), ("y", style.RED, "--"), ("z", style.BLUE, "-"))
 
@@ -46,7 +46,7 @@ def mode_figure(spectrum: Spectrum, displayed: int = DISPLAYED) -> Figure:
         drawn |= _mode(ax, modes, m)
         below = m + COLUMNS >= count
         hertz = f"{m + 1}: {modes.frequency[m] / math.tau:.4g} Hz"
-        damped = f", damping ratio {modes.ratio[m]:.2g}" if modes.ratio[m] > UNDAMPED else ""
+        damped = f", damping ratio {modes.ratio[m]:.2g}" if modes.ratio[m] > ROUNDING else ""
         style.dress(ax, hertz + damped, "x (m)" if below else "", "displacement (1)" if m % COLUMNS == 0 else "")
         ax.xaxis.set_tick_params(labelbottom=below)
     for ax in axes[count:]:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ropewalk.results.contract import path_name
 from ropewalk.results.declared import declared
-from ropewalk.results.display_units import Column, number
+from ropewalk.results.display_units import Column
 from ropewalk.results.frame import OFF_LINE, Array
 
 if TYPE_CHECKING:
@@ -86,22 +86,21 @@ def lowest_place(dataset: xr.Dataset, k: int) -> dict[str, Any] | None:
     return lowest(dataset, dataset["contact_position"].values[:, k, -1], on)
 
 
-def place_rows(found: dict[str, Any], say: Column, when: Callable[[dict[str, Any]], Iterable[str]]) -> Iterator[Row]:
+def place_rows(found: dict[str, Any], say: Column) -> Iterator[Row]:
     """Rows of a table: where a load came to, and how far down it or its payload went.
 
     Args:
         found: its summary.
         say: numbers in words.
-        when: instants in words.
     """
     if (place := found.get("last_place")) is not None:
         speed = place["speed"]["value"]
         fast = () if speed is None else (f"at {say(speed, 'm/s')} along the line",)
-        where = "  ".join((*when(place), f"xi = {number(place['xi'])} m", *fast))
-        yield "last place", f"x = {number(place['value'])} m", where
+        where = "  ".join((*say.when(place), f"xi = {say.place(place['xi'])}", *fast))
+        yield "last place", f"x = {say.place(place['value'])}", where
     if (place := found["lowest_place"]) is not None and place["below"]["value"] > FELT:
-        down = f"{number(place['below']['value'])} m below where it began"
-        yield "lowest place", f"z = {number(place['value'])} m", "  ".join((*when(place), down))
+        down = f"{say(place['below']['value'], 'm')} below where it began"
+        yield "lowest place", f"z = {say.place(place['value'])}", "  ".join((*say.when(place), down))
 
 
 def _declared(dataset: xr.Dataset, k: int) -> tuple[str, str]:

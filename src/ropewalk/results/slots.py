@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ropewalk.checkpoint import CheckpointError, Tree, from_bytes, to_bytes
+from ropewalk.checkpoint import ENGINE_NUMBER, CheckpointError, Tree, from_bytes, to_bytes
 from ropewalk.errors import RopewalkError
 from ropewalk.results.contract import CHECKPOINT
 
@@ -84,7 +84,7 @@ class Slots:
 
     def _bytes(self) -> bytes | None:
         tree = self._take()
-        return None if tree is None else to_bytes({"number": self._number + 1, **tree})
+        return None if tree is None else to_bytes({"number": self._number + 1, "engine_number": ENGINE_NUMBER, **tree})
 
 
 def newest(file: Any, frames: int) -> Tree | None:

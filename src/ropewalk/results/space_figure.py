@@ -16,6 +16,7 @@ from ropewalk.results import style
 from ropewalk.results.contract import path_name
 from ropewalk.results.display_units import number
 from ropewalk.results.drawn import drawn_position
+from ropewalk.results.drawn_bodies import drawn_bodies
 from ropewalk.results.frame import Array
 from ropewalk.results.nets import (
     NetTriangles,
@@ -71,7 +72,7 @@ class Chosen:
             frames,
             in_space(drawn_position(dataset.isel({name: frames}))),
             in_space(dataset["contact_position"].values),
-            in_space(dataset["body_position"].values),
+            in_space(drawn_bodies(dataset)),
         )
 
     @property

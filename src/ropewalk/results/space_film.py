@@ -16,6 +16,7 @@ from ropewalk.results.axis_units import show_units
 from ropewalk.results.contract import path_name
 from ropewalk.results.display_units import DisplayUnits
 from ropewalk.results.drawn import drawn_position
+from ropewalk.results.drawn_bodies import drawn_bodies
 from ropewalk.results.frame import Array
 from ropewalk.results.meter import Meter
 from ropewalk.results.nets import NetTriangles, cell_values, in_space, line_ends, triangles
@@ -63,7 +64,7 @@ class SpaceStage:
         self._clock_text = f"{name.replace('_', ' ')} {{:.{style.digits(self._path)}f}} {dataset[name].attrs['units']}"
         self._spots = in_space(dataset["contact_position"].values[frames])
         self._forces = in_space(dataset["contact_force"].values[frames])
-        self._bodies = in_space(dataset["body_position"].values[frames])
+        self._bodies = in_space(drawn_bodies(dataset.isel({path_name(dataset): frames})))
         size = np.linalg.norm(self._forces, axis=2)
         self._unit = float(np.nanmax(size, initial=0.0)) or 1.0
         self._meter = Meter(dataset["load"].values.tolist(), size, units)

@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 
 from ropewalk.results.frame import Array
 
+LISTED = 12  # modes in the table for people
+ROUNDING = 1e-9  # damping ratios below are rounding errors
+
 
 @dataclass(frozen=True, eq=False)
 class Modes:
@@ -127,6 +130,11 @@ class Spectrum:
             "eigenvalues_per_s": {"real": self.eigenvalues.real.tolist(), "imaginary": self.eigenvalues.imag.tolist()},
             "method": self.method,
         }
+        if self.modes is not None:
+            out["modes"] = [
+                {"frequency_rad_per_s": omega, "frequency_hz": omega / math.tau, "damping_ratio": ratio, "shape": name}
+                for omega, ratio, name in self._named_modes()
+            ]
         if self.lines:
             out["lines"] = [line.as_dict() for line in self.lines]
         return out
@@ -156,8 +164,32 @@ class Spectrum:
         ]
         if self.neutral:
             rows.insert(3, ("modes without stiffness", f"{self.neutral}"))
+        rows += self._mode_rows()
         for line in self.lines:
             rows += [("", ""), *line.table()]
+        return rows
+
+    def _named_modes(self) -> list[tuple[float, float, str]]:
+        """Angular frequency in rad/s, damping ratio and name of every mode with a shape."""
+        from ropewalk.results.mode_names import mode_names
+
+        assert self.modes is not None
+        found = zip(self.modes.frequency.tolist(), self.modes.ratio.tolist(), mode_names(self.modes), strict=True)
+        return list(found)
+
+    def _mode_rows(self) -> list[tuple[str, str]]:
+        """The lowest modes, one in each row."""
+        if self.modes is None or not len(self.modes.frequency):
+            return []
+        named = self._named_modes()
+        rows = [("", ""), ("mode", f"{'frequency':>12}  {'period':>12}  {'damping ratio':>13}  shape")]
+        for number, (omega, ratio, name) in enumerate(named[:LISTED], 1):
+            period = f"{math.tau / omega:.5g} s" if omega > 0.0 else "–"
+            damping = ratio if ratio > ROUNDING else 0.0
+            row = f"{f'{omega / math.tau:.5g} Hz':>12}  {period:>12}  {damping:>13.3g}  {name}"
+            rows.append((str(number), row.rstrip()))
+        if len(named) > LISTED:
+            rows.append(("", f"the lowest {LISTED} of {len(named)} modes computed; --json lists all of them"))
         return rows
 
 

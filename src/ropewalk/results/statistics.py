@@ -14,6 +14,7 @@ from ropewalk.results.contact_summary import contact_summary
 from ropewalk.results.contract import doubts_of, path_name
 from ropewalk.results.exchanges import exchange_summary
 from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, Array
+from ropewalk.results.joint_statistics import joint_summary
 from ropewalk.results.line_response import response_summary
 from ropewalk.results.net_statistics import net_summary
 from ropewalk.results.nets import net_names
@@ -93,6 +94,7 @@ def _entries(dataset: xr.Dataset) -> dict[str, Callable[[], Any]]:
         "lines": lambda: response_summary(dataset),
         "nets": lambda: net_summary(dataset, blocks(dataset)),
         "supports": of_supports,
+        "joints": lambda: joint_summary(dataset),
         "contacts": of_loads,
         "trains": lambda: train_summary(dataset),
         "crowds": lambda: crowd_summary(dataset),

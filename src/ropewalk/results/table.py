@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from ropewalk.results.display_units import Column, DisplayUnits, number, quantities
+from ropewalk.results.display_units import Column, DisplayUnit, DisplayUnits, number, quantities
+from ropewalk.results.dropper_lengths import length_rows
+from ropewalk.results.joint_statistics import joint_rows
 from ropewalk.results.own_way import place_rows
 from ropewalk.results.statistics import Summary
 
@@ -45,19 +47,21 @@ def text(found: Summary, units: DisplayUnits | None = None) -> str:
     """
     body = list(rows(found, units))
     first, second = (max((len(row[k]) for row in body if row[1]), default=0) for k in (0, 1))
-    lines = [_headline(found)]
+    lines = [_headline(found, units or DisplayUnits.read(None))]
     for what, value, where in body:
         lines.append(f"{what:{first}}  {value:>{second}}  {where}".rstrip() if value else f"\n{what}")
     lines += [f"warning: {warning}" for warning in found["warnings"]]
     return "\n".join(lines)
 
 
-def _headline(found: Summary) -> str:
+def _headline(found: Summary, units: DisplayUnits) -> str:
     outcome = found["outcome"]
     if outcome == "running":
         outcome = "unfinished (still running, or killed)"
     simulated = found["simulated"]
-    head = f"{found['title']}: {outcome}, {number(simulated['value'])} {simulated['unit']}, {found['frames']} frames"
+    unit = units.place if simulated["unit"] == "m" else DisplayUnit(simulated["unit"], 1.0)
+    length = f"{number(simulated['value'] / unit.size)} {unit.symbol}"
+    head = f"{found['title']}: {outcome}, {length}, {found['frames']} frames"
     doubts = [f"doubt: {doubt}" for doubt in found["doubts"]]
     return "\n".join([head, *([f"advice: {found['advice']}"] if found["advice"] else []), *doubts])
 
@@ -86,8 +90,8 @@ def rows(found: Summary, units: DisplayUnits | None = None) -> Iterator[Row]:
             if found[key] is not None and (found[key]["value"] or found[_OTHER_END[key]]["value"]):
                 yield _quantity(what, found[key], lines, "strain" if "strain" in key else "")
         for name, most in found["tension_over_strength"].items():
-            where = f"{name} at xi = {_metres(most['xi'])} m"
-            yield "largest tension over strength", number(most["value"], 3), "  ".join((where, *_when(most)))
+            where = f"{name} at xi = {lines.place(most['xi'])}"
+            yield "largest tension over strength", number(most["value"], 3), "  ".join((where, *lines.when(most)))
         if found["largest_sag"] is not None:
             yield _quantity("largest sag", found["largest_sag"], lines)
         aside = found["largest_sideways"]
@@ -100,6 +104,7 @@ def rows(found: Summary, units: DisplayUnits | None = None) -> Iterator[Row]:
     if found["supports"]:
         yield "Supports", "", ""
         yield from _support_rows(found["supports"], lines)
+    yield from joint_rows(found["joints"], column(*(joint["force"] for joint in found["joints"].values())))
     for name, contact in found["contacts"].items():
         if name in found["pantographs"]:
             yield from _pantograph_rows(name, found["pantographs"][name], column(found["pantographs"][name]))
@@ -123,10 +128,14 @@ def rows(found: Summary, units: DisplayUnits | None = None) -> Iterator[Row]:
     if found["clearance"]:
         yield "Clearance of the ground", "", ""
     for name, least in found["clearance"].items():
-        yield name, column(least)(least["value"], "m"), "  ".join((f"at x = {_metres(least['x'])} m", *_when(least)))
+        say = column(least)
+        yield name, say(least["value"], "m"), "  ".join((f"at x = {say.place(least['x'])}", *say.when(least)))
     for name, line in found["overhead_lines"].items():
         uplifts = [{"value": support["uplift"], "unit": "m"} for support in line["supports"].values()]
-        yield from _overhead_rows(name, line, column(line["largest_dropper_force"], *uplifts))
+        say = column(line["largest_dropper_force"], *uplifts)
+        yield from _overhead_rows(name, line, say)
+        if not line["supports"]:
+            yield from length_rows(line["droppers"], say)
     for name, exchange in found["exchanges"].items():
         yield from _exchange_rows(name, exchange, column(exchange))
     yield from _energy_rows(
@@ -153,43 +162,31 @@ _OTHER_END = {
 
 
 def _quantity(what: str, found: Summary, say: Column, unit: str = "") -> Row:
-    place = ", ".join(f"{name} = {_metres(found[name])} m" for name in (*"xyz", "xi") if found.get(name) is not None)
+    place = ", ".join(f"{name} = {say.place(found[name])}" for name in (*"xyz", "xi") if found.get(name) is not None)
     where = f"{found['line']} at {place}"
-    return what, say(found["value"], unit or found["unit"]), "  ".join((where, *_when(found)))
-
-
-def _metres(place: float) -> str:
-    """A coordinate to four digits, but no finer than a millimetre."""
-    return number(place) if abs(place) >= 1.0 else f"{place:.3f}"
+    return what, say(found["value"], unit or found["unit"]), "  ".join((where, *say.when(found)))
 
 
 def _net_rows(name: str, net: Summary, say: Column) -> Iterator[Row]:
     yield f"Net {name}", "", ""
     for key, what in (("largest_tension", "largest"), ("smallest_tension", "smallest")):
         if net[key] is not None:
-            yield f"{what} tension per width", say(net[key]["value"], "N/m"), _place(net[key])
+            yield f"{what} tension per width", say(net[key]["value"], "N/m"), _place(net[key], say)
     if net["slack"] is not None and net["slack"]["value"]:
         sentence = "of the triangles pull in one direction at most"
         yield (
             "slack, at most",
             f"{number(100 * net['slack']['value'], 2)} %",
-            "  ".join((sentence, *_when(net["slack"]))),
+            "  ".join((sentence, *say.when(net["slack"]))),
         )
     if net["largest_sag"] is not None:
-        yield "largest sag", say(net["largest_sag"]["value"], "m"), _place(net["largest_sag"])
+        yield "largest sag", say(net["largest_sag"]["value"], "m"), _place(net["largest_sag"], say)
     yield "nodes", f"{net['nodes']}", f"{net['cells']} triangles"
 
 
-def _place(found: Summary) -> str:
-    where = ", ".join(f"{axis} = {_metres(found[axis])}" for axis in "xyz")
-    return "  ".join((f"at {where} m", *_when(found)))
-
-
-def _when(found: Summary) -> Iterator[str]:
-    if found.get("time") is not None:
-        yield f"t = {number(found['time'])} s"
-    if found.get("load_path") is not None:
-        yield f"load path = {number(found['load_path'])} m"
+def _place(found: Summary, say: Column) -> str:
+    where = ", ".join(f"{axis} = {say.place(found[axis])}" for axis in "xyz")
+    return "  ".join((f"at {where}", *say.when(found)))
 
 
 def _components(force: Summary, say: Column) -> Iterator[str]:
@@ -205,7 +202,7 @@ def _support_rows(supports: Summary, say: Column) -> Iterator[Row]:
     order = sorted(supports, key=lambda name: -(supports[name]["value"] or 0.0))[:LARGEST] if many else list(supports)
     for name in order:
         force = supports[name]
-        yield name, say(force["value"], "N"), "  ".join((*_when(force), *_components(force, say)))
+        yield name, say(force["value"], "N"), "  ".join((*say.when(force), *_components(force, say)))
     if many:
         sizes = [force["value"] for force in supports.values() if force["value"] is not None]
         least, most = min(sizes, default=None), max(sizes, default=None)
@@ -226,7 +223,7 @@ def _pantograph_rows(name: str, found: Summary, say: Column) -> Iterator[Row]:
     where.append(f"at {say(value['speed'], 'm/s')}")
     if not found["complete"]:
         where.append("not from end to end")
-    yield "analysed", f"{number(value['first'])} to {number(value['last'])} m", "  ".join(where)
+    yield "analysed", f"{say.place(value['first'], with_unit=False)} to {say.place(value['last'])}", "  ".join(where)
     if value["fastest"] < limit:
         sentence = f"too far apart for {limit:g} Hz, the force is not filtered: write a smaller run.sample"
         yield "samples", f"every {say(0.5 / value['fastest'], 's', 3)}", sentence
@@ -243,7 +240,7 @@ def _pantograph_rows(name: str, found: Summary, say: Column) -> Iterator[Row]:
     yield "sigma / Fm", number(value["relative_deviation"], 3), ""
     yield "Fm - 3 sigma, Fm + 3 sigma", say.span(value["statistical_minimum"], value["statistical_maximum"], "N"), ""
     for key, what in (("maximum", "largest"), ("minimum", "smallest")):
-        yield f"{what} force", say(value[key], "N"), f"at {number(value[f'{key}_at'])} m"
+        yield f"{what} force", say(value[key], "N"), f"at {say.place(value[f'{key}_at'])}"
     raw = f"sigma {say(value['raw_deviation'], 'N', 3)}"
     yield "unfiltered force", say.span(value["raw_minimum"], value["raw_maximum"], "N"), raw
     yield "loss of contact", f"{number(100 * value['loss'], 2)} %", "of the time"
@@ -260,7 +257,7 @@ def _pantograph_rows(name: str, found: Summary, say: Column) -> Iterator[Row]:
         angle = say.span(ends["min"]["value"], ends["max"]["value"], "rad")
         yield f"{rotation} of the head", angle, "at the output instants"
     for passed in found["overlaps"]:
-        both = f"on both wires from {number(passed['first'])} to {number(passed['last'])} m"
+        both = f"on both wires from {say.place(passed['first'], with_unit=False)} to {say.place(passed['last'])}"
         sentence = f"{both}, {say(passed['together'], 's', 3)} in all"
         lines = f"from {passed['from_line']} to {passed['to_line']}"
         yield lines, say(passed["last"] - passed["first"], "m", 3), sentence
@@ -278,7 +275,7 @@ def _limit_rows(name: str, found: Summary) -> Iterator[Row]:
             f"at most {number(high)} {unit}" if low is None else f"above {number(low)} {unit}")  # fmt: skip
         sentence = f"{check['verdict']}  {bounds} [{check['mark']}] ({check['why']})"
         yield check["what"], f"{number(check['value'])} {unit}", sentence
-    yield "verdict", found["verdict"], found["remark"]
+    yield "verdict", found["verdict"], "; ".join(filter(None, (found["broken"], found["remark"])))
 
 
 def _acceptance_rows(found: Summary) -> Iterator[Row]:
@@ -303,13 +300,13 @@ def _overhead_rows(name: str, found: Summary, say: Column) -> Iterator[Row]:
     for key in displayed:
         entry = supports[key]
         note = "" if entry["analysed"] else "  largest of all, beside the analysed spans"
-        yield f"uplift at {key}", say(entry["uplift"], "m", 3), f"{number(entry['station'])} m{note}"
+        yield f"uplift at {key}", say(entry["uplift"], "m", 3), f"{say.place(entry['station'])}{note}"
     pull, slack, count = found["largest_dropper_force"], found["most_slack"], len(found["droppers"])
     if pull is not None and pull["value"] is not None:
-        where = f"{pull['dropper']} at {number(pull['station'])} m"
+        where = f"{pull['dropper']} at {say.place(pull['station'])}"
         yield "largest dropper force", say(pull["value"], "N"), where
     if slack is not None and slack["value"]:
-        where = f"of the time, {slack['dropper']} at {number(slack['station'])} m"
+        where = f"of the time, {slack['dropper']} at {say.place(slack['station'])}"
         yield "longest slack dropper", f"{number(100 * slack['value'], 2)} %", where
     if count:
         yield "droppers that slacken", f"{found['slackened']} of {count}", "whole line"
@@ -332,26 +329,26 @@ def _contact_rows(name: str, contact: Summary, say: Column, largest: float) -> I
         yield "of it downwards, mean", say(-up["mean"], "N"), say.span(-up["max"], -up["min"], "N")
     for how, impulse in contact["impulses"].items():
         if impulse is not None:
-            sentence = "  ".join((*_when(impulse), "an impulse over one step, left out of the statistics"))
+            sentence = "  ".join((*say.when(impulse), "an impulse over one step, left out of the statistics"))
             yield f"impact when {how}", say(impulse["value"], "N"), sentence
     jump = contact["tension_jump"]
     if jump["value"] is not None and abs(jump["value"]) > NOTHING * largest:  # loads on nets have no two sides
-        yield "largest tension jump", say(jump["value"], "N"), "  ".join(_when(jump))
+        yield "largest tension jump", say(jump["value"], "N"), "  ".join(say.when(jump))
     hold = contact["hold_force"]
     if (hold["value"] or 0.0) > NOTHING * largest:
-        yield "largest hold force", say(hold["value"], "N"), "  ".join((*_when(hold), *_components(hold, say)))
+        yield "largest hold force", say(hold["value"], "N"), "  ".join((*say.when(hold), *_components(hold, say)))
     if ((needed := contact["friction_needed"])["value"] or 0.0) > NOTHING:
         beyond = ("more than surfaces have: a clamp bears it",) if needed["value"] > _MOST_FRICTION else ()
-        yield "friction coefficient needed", number(needed["value"], 3), "  ".join((*_when(needed), *beyond))
+        yield "friction coefficient needed", number(needed["value"], 3), "  ".join((*say.when(needed), *beyond))
     if contact["share_in_air"]:
         yield "in the air", f"{number(100 * contact['share_in_air'], 2)} %", "of its time"
     if contact["friction_power"]["value"]:
         power = contact["friction_power"]
-        yield "largest friction power", say(power["value"], "W"), "  ".join(_when(power))
+        yield "largest friction power", say(power["value"], "W"), "  ".join(say.when(power))
     if contact["last_speed"] is not None:
         speed = contact["last_speed"]
-        yield "last speed", say(speed["value"], "m/s"), "  ".join((*_when(speed), "before it leaves or stops"))
-    yield from place_rows(contact, say, _when)
+        yield "last speed", say(speed["value"], "m/s"), "  ".join((*say.when(speed), "before it leaves or stops"))
+    yield from place_rows(contact, say)
     if share < 1.0:
         yield "on the line", f"{100 * share:.0f} %", "of the output instants"
 
@@ -374,7 +371,7 @@ def _response_rows(name: str, line: Summary, units: DisplayUnits, floor: dict[st
             yield what, "–", "output instants are too few, or too far apart for the filter: write a shorter run.every"
             continue
         say = Column(units, entry, floor=floor)
-        where = list(_when(entry["largest"]))
+        where = list(say.when(entry["largest"]))
         if quantity in ("deflection", "lateral_deflection", "moment"):
             where.append(say.span(entry["min"], entry["max"], entry["unit"]))
         if entry.get("impact") is not None:
@@ -389,12 +386,12 @@ def _train_rows(name: str, train: Summary, say: Column) -> Iterator[Row]:
     yield "largest load on the line", say(train["load"]["max"], "N"), ""
     for what, key in (("largest contact force", "largest_force"), ("least contact force", "least_force")):
         if (entry := train.get(key)) is not None:
-            yield what, say(entry["value"], "N"), "  ".join((entry["of"], *_when(entry)))
+            yield what, say(entry["value"], "N"), "  ".join((entry["of"], *say.when(entry)))
     if (entry := train.get("unloading")) is not None:
         yield "largest unloading", number(entry["value"], 4), f"of the static force  {entry['of']}"
     if (entry := train.get("acceleration")) is not None:
         value = f"{number(entry['value'], 4)} {entry['unit']}"
-        yield "largest acceleration of a body", value, "  ".join((entry["of"], *_when(entry)))
+        yield "largest acceleration of a body", value, "  ".join((entry["of"], *say.when(entry)))
     first, last = train["first"], train["last"]
     if first["value"] is not None:
         span = f"{number(first['value'])} to {number(last['value'])} {first['unit']}"
@@ -405,40 +402,40 @@ def _payload_rows(name: str, payload: Summary, say: Column) -> Iterator[Row]:
     yield f"Payload of {name}", "", ""
     sway, swing = payload["sway"], payload["swing"]
     if sway is not None and sway["value"] > ROUND_OFF:
-        yield "largest sway", say(sway["value"], "m"), "  ".join(_when(sway))
+        yield "largest sway", say(sway["value"], "m"), "  ".join(say.when(sway))
     if swing is not None and sway["value"] > ROUND_OFF:
-        yield "largest angle from the vertical", say(swing["value"], "rad", 3), "  ".join(_when(swing))
+        yield "largest angle from the vertical", say(swing["value"], "rad", 3), "  ".join(say.when(swing))
     speed = payload["speed"]
     if speed is not None and speed["value"]:
-        yield "largest speed", say(speed["value"], "m/s"), "  ".join(_when(speed))
+        yield "largest speed", say(speed["value"], "m/s"), "  ".join(say.when(speed))
     pull, slack = payload["pull"], payload["slack"]["value"]
     if pull is not None:
-        sentence = f"slack at {number(100 * slack, 2)} % of the output instants" if slack else ""
-        yield "largest pull of its rope", say(pull["value"], "N"), "  ".join((*_when(pull), *filter(None, [sentence])))
-    yield from place_rows(payload, say, _when)
+        sentences = [f"slack at {number(100 * slack, 2)} % of the output instants"] if slack else []
+        yield "largest pull of its rope", say(pull["value"], "N"), "  ".join((*say.when(pull), *sentences))
+    yield from place_rows(payload, say)
 
 
 def _carriage_rows(name: str, carriage: Summary, say: Column) -> Iterator[Row]:
     yield f"Carriage {name}", "", ""
     for key, what in (("max", "largest wheel load"), ("min", "least wheel load")):
         if (entry := carriage["wheel_load"]) is not None:
-            yield what, say(entry[key]["value"], "N"), "  ".join((f"wheel {entry[key]['of']}", *_when(entry[key])))
+            yield what, say(entry[key]["value"], "N"), "  ".join((f"wheel {entry[key]['of']}", *say.when(entry[key])))
     if (least := carriage["tension_ratio"]) is not None:
-        where = "  ".join((f"wheel {least['of']}", *_when(least)))
+        where = "  ".join((f"wheel {least['of']}", *say.when(least)))
         yield "least tension over wheel load", number(least["value"], 3), where
     if (least := carriage["transverse_ratio"]) is not None:
-        yield "least tension over transverse force", number(least["value"], 3), "  ".join(_when(least))
+        yield "least tension over transverse force", number(least["value"], 3), "  ".join(say.when(least))
     for key, what in (("sway", "sway along the line"), ("side_sway", "sway to the side"), ("slip", "slip of the rope")):
         if (entry := carriage.get(key)) is not None:
             yield what, say.span(entry["min"]["value"], entry["max"]["value"], entry["unit"]), ""
     pulls = {"pull": "pull of the hauling rope", "drive_tension": "tension at the drive"}
     for key, what in {**pulls, "counter_pull": "pull of the counter rope"}.items():
         if (entry := carriage.get(key)) is not None:
-            when = f"largest at {''.join(_when(entry['max']))}"
+            when = f"largest at {''.join(say.when(entry['max']))}"
             yield what, say.span(entry["min"]["value"], entry["max"]["value"], "N"), when
     if (most := carriage.get("drive_ratio")) is not None:
         bears = f"friction bears {number(most['friction_bears'], 3)}"
-        yield "largest ratio at the drive", number(most["value"], 3), "  ".join((bears, *_when(most)))
+        yield "largest ratio at the drive", number(most["value"], 3), "  ".join((bears, *say.when(most)))
 
 
 def _exchange_rows(name: str, exchange: Summary, say: Column) -> Iterator[Row]:
@@ -446,7 +443,7 @@ def _exchange_rows(name: str, exchange: Summary, say: Column) -> Iterator[Row]:
     yield "work exchanged", say(exchange["work"], "J"), ""
     share = "" if exchange["relative"] is None else f"{percent(exchange['relative'])} of it"
     peak = exchange["peak"]
-    most = "  ".join((f"at most {say(peak['value'], 'J', 2)} in one interval", *_when(peak)))
+    most = "  ".join((f"at most {say(peak['value'], 'J', 2)} in one interval", *say.when(peak)))
     yield "energy error of the exchange", say(exchange["made"], "J", 3), "  ".join(filter(None, (share, most)))
 
 
@@ -476,7 +473,7 @@ def _energy_rows(energy: Summary, say: Column) -> Iterator[Row]:
         yield "largest imbalance", "unknown", "no audit was kept"
         return
     share = "" if worst["relative"] is None else f"{percent(worst['relative'])} of the energy turned over"
-    yield "largest imbalance", say(worst["value"], "J"), "  ".join(filter(None, (share, *_when(worst))))
+    yield "largest imbalance", say(worst["value"], "J"), "  ".join(filter(None, (share, *say.when(worst))))
 
 
 def _mesh_rows(mesh: Summary, say: Column) -> Iterator[Row]:

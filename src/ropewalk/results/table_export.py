@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ropewalk.results.contact_statistics import sampled_instants
 from ropewalk.results.contract import path_name
-from ropewalk.results.display_units import DisplayUnits
+from ropewalk.results.display_units import PLACE, DisplayUnits
 from ropewalk.results.files import ResultError
 from ropewalk.results.frame import Array
 from ropewalk.results.line_response import histories
@@ -52,8 +53,8 @@ def tables(
         dataset: a result, in memory or lazy.
         every: s (m of a slow motion), one row for each such interval; without it all output instants.
         at: s (m), rows at these instants only. Both take the output instants that are nearest.
-        units: of the quantities (default: SI), each the same in all columns of a table; places and instants are in m
-            and s.
+        units: of the quantities (default: SI), each the same in all columns of a table; instants are in s, and
+            places in m or in a unit of length that is no part of the metre.
 
     Returns:
         `series`: over the output instants, of every line its largest and smallest tension and its sag, and all
@@ -80,9 +81,12 @@ def _in_units(table: pd.DataFrame, units: DisplayUnits) -> pd.DataFrame:
     table = table.copy()
     if "quantity" in table.columns:  # a summary, with its units in the rows
         keys = [_measured(*pair) for pair in zip(table["quantity"], table["unit"].fillna(""), strict=True)]
+        for column in [column for column in table.columns if str(column).endswith("[m]")]:
+            table[column] /= units.place.size
+            table = table.rename(columns={column: str(column).replace("[m]", f"[{units.place.symbol}]")})
         for key in dict.fromkeys(key for key in keys if key):
             here = np.array([k == key for k in keys])
-            displayed = units.of(key, [table.loc[here, "value"].to_numpy(dtype=float)])
+            displayed = units.place if key == PLACE else units.of(key, [table.loc[here, "value"].to_numpy(dtype=float)])
             table.loc[here, "value"] /= displayed.size
             table.loc[here, "unit"] = displayed.symbol or "1"
         return table
@@ -91,19 +95,23 @@ def _in_units(table: pd.DataFrame, units: DisplayUnits) -> pd.DataFrame:
     names, columns = list(table.columns), list(table.columns)
     for key in dict.fromkeys(key for key in measured if key):
         mine = [k for k, each in enumerate(measured) if each == key]
-        displayed = units.of(key, [table[columns[k]].to_numpy() for k in mine])
+        displayed = units.place if key == PLACE else units.of(key, [table[columns[k]].to_numpy() for k in mine])
         for k in mine:
             table[columns[k]] /= displayed.size
             names[k] = re.sub(r"\[.*\]$", f"[{displayed.symbol or '1'}]", str(names[k]))
     table.columns = names
+    if (head := _HEAD.fullmatch(str(table.index.name))) is not None and head[2] == "m":
+        table.index = (table.index / units.place.size).rename(f"{head[1]} [{units.place.symbol}]")
     return table
 
 
 def _measured(name: str, unit: str) -> str:
-    """The SI unit by which a unit is chosen; empty for places, which stay in m, and for numbers without a unit."""
+    """The SI unit by which a unit is chosen, of lengths that are places `PLACE`; empty for what has no unit."""
     if "strain" in name:
         return "strain"
-    return "" if unit in ("1", "") or (unit == "m" and not _DISPLACEMENT.search(name)) or unit == "s" else unit
+    if unit == "m" and not _DISPLACEMENT.search(name):
+        return PLACE
+    return "" if unit in ("1", "", "s") else unit
 
 
 def series_table(dataset: xr.Dataset) -> pd.DataFrame:
@@ -291,16 +299,15 @@ def _samples(dataset: xr.Dataset) -> pd.DataFrame:
     """What is sampled between outputs, one row for each sample."""
     import pandas as pd
 
-    name = path_name(dataset)
-    instants = (dataset[name].values[:, None] + dataset["sample"].values).ravel()
+    instants, kept = sampled_instants(dataset)
     columns = {}
     for quantity in (q for q in dataset.data_vars if "sample" in dataset[q].dims):
         dim = str(dataset[quantity].dims[-1])
         label, unit = {"contact": "load"}.get(dim, dim), dataset[quantity].attrs["units"]
-        values = dataset[quantity].values.reshape(instants.size, -1)
+        values = dataset[quantity].values[kept]
         for k, point in enumerate(dataset[label].values.tolist()):
             columns[f"{point}.{_alone(str(quantity))} [{unit}]"] = values[:, k]
-    return pd.DataFrame(columns, index=pd.Index(instants, name=f"{name} [s]"))
+    return pd.DataFrame(columns, index=pd.Index(instants, name=f"{path_name(dataset)} [s]"))
 
 
 def _rows(name: str, found: Any, unit: str | Mapping[str, str]) -> Iterator[dict[str, Any]]:

@@ -17,6 +17,7 @@ from ropewalk.results.audit import AUDIT, turnover
 from ropewalk.results.contract import path_name
 from ropewalk.results.display_units import number
 from ropewalk.results.drawn import drawn_position
+from ropewalk.results.drawn_bodies import drawn_bodies
 from ropewalk.results.frame import ENERGY_FORMS, Array
 from ropewalk.results.nets import line_ends, net_names
 from ropewalk.results.statistics import blocks, lines
@@ -103,7 +104,8 @@ def _draw_bodies(dataset: xr.Dataset, ax: Axes, frames: NDArray[np.intp], colour
     """Draw payloads, sprung masses and people at some instants, tied to their contacts; gives their paths."""
     if not dataset.sizes["body"]:
         return []
-    every = dataset["body_position"].values[..., [0, -1]]
+    every, kept = drawn_bodies(dataset)[..., [0, -1]], dataset["body_position"].values[..., -1]
+    raised = np.nanmax(every[..., 1] - kept, axis=0, initial=0.0) > 0.0
     spots = dataset["contact_position"].values[..., [0, -1]]
     pairs = ties(dataset)
     for frame, colour in zip(frames, colours, strict=False):
@@ -112,7 +114,7 @@ def _draw_bodies(dataset: xr.Dataset, ax: Axes, frames: NDArray[np.intp], colour
     for i, body in enumerate(dataset["body"].values.tolist()):
         ax.plot(
             every[:, i, 0], every[:, i, 1], color=style.FAINT, linewidth=style.THIN, linestyle=(0, (4, 1.5)),
-            label=f"path of {body}", zorder=1,
+            label=f"path of {body}{', raised above its wheels' if raised[i] else ''}", zorder=1,
         )  # fmt: skip
         ax.scatter(
             every[frames, i, 0],

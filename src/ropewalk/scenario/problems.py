@@ -66,7 +66,12 @@ def in_declaration(error: ValidationError, declaration: type[Declaration], keys:
 def in_order(problems: Iterable[Problem], name: str) -> list[Problem]:
     """Sort problems as they stand in the file, overrides last, and drop repetitions."""
     unique = list({(p.file, p.line, p.key, p.wrong): p for p in problems}.values())
-    return sorted(unique, key=lambda p: (p.file != name, p.line or 0, p.key))
+    return sorted(unique, key=lambda p: (p.file != name, p.line or 0, _by_index(p.key)))
+
+
+def _by_index(key: str) -> list[tuple[bool, int, str]]:
+    """What keys are sorted by: indices of lists by their value."""
+    return [(part.isdigit(), int(part) if part.isdigit() else 0, part) for part in key.split(".")]
 
 
 def _without_empty(source: Source, value: Any, key: Key, problems: list[Problem]) -> Any:
@@ -87,7 +92,7 @@ def _without_empty(source: Source, value: Any, key: Key, problems: list[Problem]
 
 def _translated(error: ValidationError, source: Source, tree: Any, reported: set[str]) -> list[Problem]:
     """Turn pydantic's errors into problems, and add what does not fit together among the valid parts."""
-    details = error.errors(include_url=False)
+    details = _without_lengths(error.errors(include_url=False))
     meant = _meant(details, tree)
     silent = reported | {".".join(key) for key in meant.values()}
     incomplete, excused = _incomplete_lines(tree, meant, reported)
@@ -103,6 +108,12 @@ def _translated(error: ValidationError, source: Source, tree: Any, reported: set
         and (key, words[0]) not in excused
         and not is_within(key, source.broken)
     ]
+
+
+def _without_lengths(details: list[ErrorDetails]) -> list[ErrorDetails]:
+    """Leave out that a list is too short where its entries are refused: only those accepted were counted."""
+    inside = {detail["loc"][:k] for detail in details for k in range(1, len(detail["loc"]))}
+    return [detail for detail in details if detail["type"] != "too_short" or detail["loc"] not in inside]
 
 
 def _key(detail: ErrorDetails) -> Key:

@@ -315,11 +315,13 @@ class ComputingProcess:
 
 def problems_of(error: Any) -> list[Answer]:
     """The problems of a scenario, as the page shows them."""
+    from ropewalk.errors import condensed
+
     return [
         {
             "line": p.line, "key": p.key, "wrong": p.wrong, "given": p.given, "remedy": p.remedy,
             "message": ": ".join(part for part in (p.key, p.wrong) if part)
             + (f", given {p.given}" if p.given else "") + (f"; {p.remedy}" if p.remedy else ""),
         }
-        for p in error.problems
+        for p in condensed(error.problems)
     ]  # fmt: skip

@@ -5,7 +5,9 @@ from __future__ import annotations
 import fnmatch
 import re
 from collections.abc import Callable, Sequence
+from difflib import SequenceMatcher
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +15,7 @@ import numpy as np
 from ropewalk.errors import Problem, ScenarioError, did_you_mean
 from ropewalk.mechanics.chain import Array
 from ropewalk.results import named_numbers, named_texts, series_table
+from ropewalk.results.after_start import AFTER_START
 from ropewalk.results.batch_means import half_width
 from ropewalk.results.contract import PATHS
 from ropewalk.results.line_response import LEAST as LEAST_FRAMES
@@ -35,6 +38,7 @@ _INTERVAL = "interval of "
 # What counts broken limits, and the text beside it that names them, in the entries of a summary that judge.
 _COUNT, _NAMES, _JUDGED = "limits.failures", "limits.broken", frozenset({"pantographs"})
 _OF_ALL = {"contact_force": "contacts.*.force.magnitude"}
+_ALIKE, _ALIKE_IF_SHORT, _SHORT = 0.8, 0.66, 4  # how much of two words has to agree; of those of few letters less
 _NONE = "a run of this kind has no such quantity"
 _FORM = "write a name of the summary, or max, min, mean or std of one or of a column of the table of series"
 
@@ -204,7 +208,8 @@ class _Result:
         names = [known.removeprefix(first) for known in self.numbers if known.startswith(first)]
         last = [f".{word}" for word in _AFTER[measure]]
         names += [known[: -len(end)] for known in self.numbers for end in last if known.endswith(end)]
-        return [*names, *_OF_ALL, *self.series]
+        of_all = [short for short, pattern in _OF_ALL.items() if fnmatch.filter(self.numbers, f"{pattern}.*")]
+        return [*names, *of_all, *self.series]
 
 
 def _spoken(name: str) -> str:
@@ -225,6 +230,7 @@ def _among(known: Any, wanted: Sequence[str]) -> list[str]:
         if wish in known:
             return [wish]
         found = [name for name in known if ends_with(name, wish)]
+        found = [name for name in found if not name.startswith(AFTER_START)] or found  # the whole run comes first
         if "*" in wish:
             found = fnmatch.filter(known, wish)
         if found:
@@ -233,11 +239,36 @@ def _among(known: Any, wanted: Sequence[str]) -> list[str]:
 
 
 def _remedy(name: str, known: Sequence[str]) -> str:
-    """What to write for a name that is not known: the nearest one, or those that hold one of its words."""
-    words = [word for word in re.split(r"[\s.]+", name) if word not in _MEASURES and len(word) > 2]
-    alike = [other for other in known if any(word in other for word in words)]
-    some = f"known with such a word: {', '.join(alike[:4])}{', ...' if len(alike) > 4 else ''}; " if alike else ""
-    return did_you_mean(name, known, f"{some}{_FORM}")
+    """What to write for a name that is not known: one with all of its words, those with most of them, or any."""
+    wanted = _words(name)
+    shared = {other: sum(_is_alike(word, _words(other)) for word in wanted) for other in dict.fromkeys(known)}
+    most = max(shared.values(), default=0)
+    measures = {word for word in re.split(r"[\s._]+", name) if word in {*_MEASURES, *_SAME}}
+
+    def distance(other: str) -> tuple[int, int]:
+        parts = re.split(r"[\s._]+", other)
+        return len(measures.difference(parts)), len(parts)
+
+    alike = sorted((other for other in shared if shared[other] == most > len(wanted) / 2), key=distance)
+    if alike and most == len(wanted):
+        return f"did you mean {alike[0]}?"
+    first = "known with such a word" if alike else "known"
+    some = [*(alike or shared)][:4]
+    return f"{first}: {', '.join(some)}{', ...' if len(alike or shared) > 4 else ''}; {_FORM}"
+
+
+def _words(name: str) -> list[str]:
+    """Words of a name, without those of its measure."""
+    return [word for word in re.split(r"[\s._]+", name.lower()) if word and word not in {*_MEASURES, *_SAME}]
+
+
+def _is_alike(word: str, others: Sequence[str]) -> bool:
+    """Whether a word is one of others, or two of them together, but for a misprint."""
+    for other in (*others, *map("".join, pairwise(others))):
+        least = _ALIKE if min(len(word), len(other)) > _SHORT else _ALIKE_IF_SHORT
+        if word == other or SequenceMatcher(None, word, other).ratio() >= least:
+            return True
+    return False
 
 
 def _unknown(name: str, wrong: str, remedy: str) -> ScenarioError:

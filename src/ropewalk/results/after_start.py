@@ -1,0 +1,1 @@
+AFTER_START = "after_start"
