@@ -114,7 +114,8 @@ def _way(setting: PreparedRun, chord: Chord, wheels: Integers) -> _Way:
     elif measure == HORIZONTAL:
         scale = 1.0 / abs(float(chord.along[0]))
     velocity = scale * speed_at(loads, first, 0.0)
-    begin = scale * np.array([setting.wheels[int(k)].start for k in wheels])
+    starts = setting.xi[wheels] if measure == MATERIAL else np.array([setting.wheels[int(k)].start for k in wheels])
+    begin = scale * starts
     # A start at the far end is rounded, above all where the length follows from a tension.
     begin = np.where(np.abs(begin - chord.length) < 1e-9 * chord.length, chord.length, begin)
     forward = velocity > 0.0

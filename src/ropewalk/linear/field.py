@@ -67,8 +67,17 @@ class Field:
             way = tables[2][first] + tables[1][first] * (t - tables[0][first])
         else:
             way = np.array([look_up_integral(*tables, first, count, time) for time in np.ravel(t)]).reshape(np.shape(t))
-        begin = float(self.setting.xi[k]) * self.chord.length / self.chord.material
-        return np.asarray(begin + self.scales[k] * way)
+        return np.asarray(self._begin(k) + self.scales[k] * way)
+
+    def _begin(self, k: int) -> float:
+        """Where load k begins along the chord, m; a beam has hardly an arc above it, a string that of its rest."""
+        start, measure = self.setting.wheels[k].start, self.setting.loads.measure[k]
+        if measure == MATERIAL or (self.chord.is_string and start > 0.0 and measure != HORIZONTAL):
+            begin = float(self.setting.xi[k]) * self.chord.length / self.chord.material
+        else:
+            begin = self.scales[k] * start
+        # A start at the far end is rounded, above all where the length follows from a tension.
+        return self.chord.length if abs(begin - self.chord.length) < 1e-9 * self.chord.length else begin
 
     def deflection(self, k: int, a: int, x: Array, t: Array) -> Array:
         """Deflection in m in the direction `across[a]` under load k alone; x and t broadcast."""
@@ -76,7 +85,7 @@ class Field:
         begin, V = float(self.place(k, np.zeros(1))[0]), self.scales[k] * speed_at(loads, k, 0.0)
         size = self._force(k, a)
         steady = loads.speed_count[k] == 1 and not callable(size) and not isinstance(size, tuple)
-        from_end = steady and ((V > 0.0 and begin == 0.0) or (V < 0.0 and begin >= chord.length * (1.0 - 1e-12)))
+        from_end = steady and ((V > 0.0 and begin == 0.0) or (V < 0.0 and begin == chord.length))
         x = x if V > 0.0 else chord.length - x
         if chord.is_string:
             line = {"length": chord.length, "tension": chord.tension, "mass": chord.mass}

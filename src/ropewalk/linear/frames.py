@@ -9,6 +9,7 @@ import numpy as np
 from ropewalk.linear.body_response import BodyResponse, response_of
 from ropewalk.linear.chord import Chord, chords
 from ropewalk.linear.field import Field
+from ropewalk.linear.reactions import reactions
 from ropewalk.mechanics.chain import FRICTIONLESS, REFUSE, Array
 from ropewalk.mechanics.moving_contact import speed_at
 from ropewalk.mechanics.vehicle_matrices import Body
@@ -96,7 +97,6 @@ def _frames(
             stretch = chord.strain(setting.strands.gravity)
         strain.append(np.full((t.size, links), stretch))
         tilt = np.diff(r, axis=1) / step
-        reaction += [-chord.tension * tilt[:, 0], chord.tension * tilt[:, -1]]
         lumped = np.full(links + 1, chord.mass * step)
         lumped[[0, -1]] *= 0.5
         bent = np.diff(r, 2, axis=1) / step**2
@@ -109,15 +109,19 @@ def _frames(
             here = field.contacts(times, rows).fields()
             for name, values in seen.fields().items():
                 values[:, setting.on[s]] = here[name]
-            continue
-        for i in range(rows.start, rows.stop):
-            energy[i - rows.start, _OF_LOADS] += _energies(response, chord, i)
-        energy[:, _IN_IMPACTS] += response.loss[rows]
-        _bodies(seen, setting, field, response, t, rows)
-        for b, body in enumerate(displayed):
-            if body.wheel in response.system.wheels:
-                for i in range(t.size):
-                    body_place[i, b], body_speed[i, b] = _body(response, chord, body, rows.start + i)
+        else:
+            for i in range(rows.start, rows.stop):
+                energy[i - rows.start, _OF_LOADS] += _energies(response, chord, i)
+            energy[:, _IN_IMPACTS] += response.loss[rows]
+            _bodies(seen, setting, field, response, t, rows)
+            for b, body in enumerate(displayed):
+                if body.wheel in response.system.wheels:
+                    for i in range(t.size):
+                        body_place[i, b], body_speed[i, b] = _body(response, chord, body, rows.start + i)
+        own = setting.on[s]
+        place = seen.xi[:, own] * (chord.length / chord.material)
+        held = reactions(chord, setting.strands.gravity, moved, rate[rows], place, seen.force[:, own])
+        reaction += [held[:, 0], held[:, 1]]
     return Frames(
         t,
         {

@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.footfall import Footfall
 from ropewalk.mechanics.sideways import Sideways
@@ -153,11 +155,12 @@ def _wheels(name: str, load: AnyLoad, scenario: Scenario) -> Iterator[ContactPoi
                 across=across[part] + (wheel.mass if soft else 0.0), lift=0 if soft else _lift(load),
             )  # fmt: skip
     elif isinstance(load, Matrices):
-        for place, (part, axle) in zip(places, load.wheels.items(), strict=True):
+        for place, (part, axle), carried in zip(places, load.wheels.items(), condensed(load), strict=True):
             own = load.coordinates.index(axle.coordinate)
             yield ContactPoint(
                 name, part if len(places) > 1 else "", load.on, place.measured, place.start,
-                **_prescribed(load.travel), mass=load.mass[own][own], lift=_lift(load),
+                **_prescribed(load.travel), mass=load.mass[own][own], across=carried - load.mass[own][own],
+                lift=_lift(load),
             )  # fmt: skip
     elif isinstance(load, Footsteps):
         side = Sideways.of(scenario, load, load.first_foot) if load.lateral else None
@@ -279,4 +282,20 @@ def shares(load: Vehicle) -> dict[str, float]:
         part = (body.at - a) / (b - a)
         found[front] += part * body.mass
         found[rear] += (1.0 - part) * body.mass
+    return found
+
+
+def condensed(load: Matrices) -> list[float]:
+    """Return the mass that each wheel of a vehicle given by matrices carries, its own included, kg.
+
+    The masses are condensed to the wheels by the static displacements of the coordinates above them (R. J. Guyan,
+    AIAA J. 3 (1965), 380), and act along the line as those of a `vehicle` do.
+    """
+    M, K = np.array(load.mass), np.array(load.stiffness)
+    wheels = [load.coordinates.index(axle.coordinate) for axle in load.wheels.values()]
+    above = [i for i in range(M.shape[0]) if i not in wheels]
+    follow = np.zeros((M.shape[0], len(wheels)))
+    follow[wheels, np.arange(len(wheels))] = 1.0
+    follow[above] = -np.linalg.lstsq(K[np.ix_(above, above)], K[np.ix_(above, wheels)], rcond=None)[0]
+    found: list[float] = (follow.T @ M @ follow.sum(axis=1)).tolist()
     return found

@@ -28,6 +28,7 @@ from ropewalk.mechanics.law import RIGID, strain
 from ropewalk.mechanics.loading import Loading, loading_of
 from ropewalk.mechanics.moving_contact import CAPACITY, force_at, link_of, part_of, speed_at
 from ropewalk.mechanics.multibody_system import MultibodySystem
+from ropewalk.model.axles import Axles
 from ropewalk.model.capabilities import refusal
 from ropewalk.model.line import Line
 from ropewalk.model.scenario import Scenario
@@ -187,7 +188,8 @@ def _place(
     rest, measure = bare[s], loads.measure[k]
     if measure == MATERIAL or start <= 0.0:
         if start > length * (1.0 + 1e-9) and not (line.length is None and np.isclose(start, line.distance, 1e-9)):
-            raise EquilibriumError(_beyond(wheel, length, scenario))
+            _check_comes(wheel, length, scenario)
+            return start if line.length is not None else length + (start - line.distance)
         return min(start, length)
     if rest is None:
         raise EquilibriumError(
@@ -199,7 +201,8 @@ def _place(
     else:
         along = np.concatenate(([0.0], np.cumsum(np.sqrt((np.diff(rest.r, axis=1) ** 2).sum(axis=0)))))
     if start > along[-1] * (1.0 + 1e-9):
-        raise EquilibriumError(_beyond(wheel, float(along[-1]), scenario))
+        _check_comes(wheel, float(along[-1]), scenario)
+        return length * start / float(along[-1])
     if measure == HORIZONTAL and np.any(np.diff(along) <= 0.0):
         i = int(np.argmax(along >= start))
         low = max(i - 1, 0)
@@ -208,10 +211,18 @@ def _place(
     return float(min(np.interp(start, along, rest.X), length))
 
 
-def _beyond(wheel: ContactPoint, end: float, scenario: Scenario) -> str:
-    """Say that a wheel would begin beyond the end of its line, at `end` (m)."""
-    key = "travel.from" if hasattr(scenario.loads[wheel.load], "travel") else "from"
-    return f"load {wheel.name} would begin {wheel.start:g} m along its line, which ends at {end:g} m; change {key}"
+def _check_comes(wheel: ContactPoint, end: float, scenario: Scenario) -> None:
+    """Refuse a wheel that begins beyond the end of its line (m, as measured), unless it is an axle of a train.
+
+    Raises:
+        EquilibriumError: it is.
+    """
+    load = scenario.loads[wheel.load]
+    if not isinstance(load, Axles):
+        key = "travel.from" if hasattr(load, "travel") else "from"
+        raise EquilibriumError(
+            f"load {wheel.name} would begin {wheel.start:g} m along its line, which ends at {end:g} m; change {key}"
+        )
 
 
 def onward(setting: PreparedRun, r: Array, s: int) -> Array:

@@ -87,7 +87,11 @@ class Pictures:
         self._stiffness = np.repeat([wire.axial_stiffness for wire in task.plan.wires], links)
         self._potential, self._bow = potential, task.bow
         if potential is None:
-            self._end_stiffness = vertical_stiffness(mesh)[ends]
+            # As in the steps: a correction of the bending stiffness counts at the ends, too.
+            assert isinstance(motion, SmallMotion)
+            corrected = mesh._replace(strands=mesh.strands._replace(stiffness=motion.stencil.bending))
+            self._end_stiffness = vertical_stiffness(corrected)[ends]
+            self._late = np.repeat(mesh.strands.retardation, links + 1)
             self._risen = (beds(mesh) * mesh.straight()[2])[ends]
             self._end_weight = task.plan.gravity * mesh.mass[ends]
             self._strained = mesh.tension[self._links] / self._stiffness
@@ -122,7 +126,8 @@ class Pictures:
             "position": displayed[:, self.axes].swapaxes(1, 2), "velocity": v[:, self.axes].swapaxes(1, 2),
             "tension": tension, "strain": strain, "body_position": places, "body_velocity": rates,
             **self._contacts(displayed, tension, where == ON_WIRE, station, force, height, in_air).fields(),
-            "reaction": self.reactions(motion.hold_at_rest + hold, tie, r, then.failed),
+            "reaction": self.reactions(motion.hold_at_rest + hold, tie, r, v, then.failed, self._on_ends(
+                where == ON_WIRE, station[:, 0], force, r)),
             "energy": self._energies.of(then),
             "tie_force": tie, "sampled_station": stations, "sampled_force": before[0], "sampled_height": before[1],
             "sampled_tie_force": before[2] + motion.tie_at_rest, "sampled_uplift": watched,
@@ -192,21 +197,39 @@ class Pictures:
             )
         return out[0], out[1]
 
-    def reactions(self, hold: Array, tie: Array, r: Array, failed: NDArray[np.bool_]) -> Array:
+    def _on_ends(self, on: NDArray[np.bool_], station: Array, force: Array, r: Array) -> Array:
+        """Parts of contact forces that the spline puts on ends of wires, (instant, end) N upwards."""
+        ends = self._supports.ends
+        out = np.zeros((len(r), ends.size))
+        for k in np.flatnonzero(on.any(axis=0)):
+            at = np.flatnonzero(on[:, k])
+            _, first, weight = self._locations(int(k), station[at, k], r[at])
+            for e, node in enumerate(ends):
+                j = node - first
+                near = (j >= 0) & (j < WIDTH)
+                out[at[near], e] += weight[near, j[near]] * force[at[near], k]
+        return out
+
+    def reactions(
+        self, hold: Array, tie: Array, r: Array, v: Array, failed: NDArray[np.bool_], pressed: Array | float = 0.0
+    ) -> Array:
         """Forces of all that holds wires on them, (instant, support, axis) N.
 
         Args:
             hold: (instant, hold, 3) N, those of holds.
             tie: (instant, tie) N, those of ties.
-            r: (instant, 3, node) m.
+            r, v: (instant, 3, node) m and m/s.
             failed: (instant, tie) whether ties pull no more.
+            pressed: (instant, end) N, of contacts on the ends, upwards.
         """
         strands, supports = self.mesh.strands, self._supports
         if self._potential is not None:
             bare = self._potential.bare_pull(r, failed)[..., supports.ends].swapaxes(1, 2)
+            bare[..., 2] += pressed
             return supports.of(bare, hold, tie, r)[..., self.axes]
         bare = np.zeros((len(r), supports.ends.size, 3))
-        bare[..., 2] = self._risen - (self._end_stiffness @ r[:, 2].T).T - self._end_weight
+        bare[..., 2] = self._risen - (self._end_stiffness @ (r[:, 2] + self._late * v[:, 2]).T).T
+        bare[..., 2] += pressed - self._end_weight
         force = supports.of(bare, hold, tie, r)
         force[:, : 2 * strands.first.size, 0] = np.stack([-strands.tension, strands.tension], axis=1).ravel()
         return force[..., self.axes]

@@ -467,8 +467,8 @@ class Wires:
             hold: (hold, 3) N, those of holds.
             tie: (tie,) N; those of ties.
         """
-        failed = self.motion.failed[None, :, 0] < np.inf
-        return np.asarray(self._pictures.reactions(hold[None], tie[None], self.motion.position[None], failed)[0])
+        failed, r, v = self.motion.failed[None, :, 0] < np.inf, self.motion.position[None], self.motion.velocity[None]
+        return np.asarray(self._pictures.reactions(hold[None], tie[None], r, v, failed)[0])
 
 
 def _parts(whole: float, largest: float) -> int:
