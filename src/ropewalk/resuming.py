@@ -113,8 +113,7 @@ def taken_up(path: Path, until: float | None) -> Iterator[Remainder]:
             raise ResultError(f"{path}: goes up to {run.until:g} s; give --until with a later time, not {until:g} s")
         if until is not None and until != run.until:
             _refuse_histories(past, scenario)
-            longer = run.model_copy(update={"until": float(until), "every": min(every_of(run), run.until)})
-            scenario = scenario.model_copy(update={"run": longer})
+            scenario = _longer(past, run, float(until))
         yield Remainder(past, scenario, _instants(scenario, past.times))
 
 
@@ -176,6 +175,19 @@ def _refuse_other_engine(past: Past) -> None:
                 f"{past.path}: the {part} was computed by {written}; this version has engine {ENGINE_NUMBER} and cannot "
                 "continue it. Run the scenario again from the start"
             )
+
+
+def _longer(past: Past, run: Dynamic, until: float) -> Scenario:
+    """Return the scenario with a later end in s.
+
+    Raises:
+        ResultError: such a run is refused.
+    """
+    settings = [f"run.until={until!r} s", f"run.every={min(every_of(run), run.until)!r} s"]
+    try:
+        return loads(str(past.attributes["scenario"]), f"{past.path}.json", settings)
+    except ScenarioError as problem:
+        raise ResultError(f"{past.path}: cannot be continued until {until:g} s: {problem}") from problem
 
 
 def _named_only(tree: Any, where: str = "") -> str | None:

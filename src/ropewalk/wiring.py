@@ -249,7 +249,7 @@ def _pantograph(name: str, load: Pantograph, under: Sequence[_Under], until: flo
     def pushed(times: Array) -> Array:
         return push(times, course.speed(times))
 
-    return PrescribedMotion(moving_load, partial(course.at, start=start), pushed, first=first)
+    return PrescribedMotion(moving_load, partial(course.at, start=start), pushed, first=first, settled=course.settled)
 
 
 def _rough(name: str, load: Pantograph, line: str) -> Callable[[Array], Array]:

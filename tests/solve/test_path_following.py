@@ -11,7 +11,7 @@ import pytest
 from ropewalk.errors import EquilibriumError
 from ropewalk.model import Scenario
 from ropewalk.simulate import simulate
-from ropewalk.solve.following import follow, quasistatic_motion, schedule, turns_less
+from ropewalk.solve.following import Mover, follow, quasistatic_motion, schedule, turns_less
 
 # Taut enough for the stiff line's contact, whose own compliance goes by the tension without the load.
 ROPE = {"start": [0, 0], "end": [10, 0], "length": 9.9, "mass": 0.1, "axial_stiffness": 5e4, "elements": 40}
@@ -102,10 +102,23 @@ def test_who_stands_still_or_is_off_turns_nowhere() -> None:
 
 def test_a_load_is_on_its_way_until_the_end_of_its_line() -> None:
     """At 3 m/s 10 m are over after 10/3 s; at t^2 - 4 t from 6 m it turns at 2 m and has gone 12 m at 10 m."""
-    times, paths = schedule("p", lambda t: 3.0 * t, 10.0)
-    assert (times[-1], paths[-1]) == pytest.approx((10.0 / 3.0, 10.0), rel=1e-12)
-    times, paths = schedule("p", lambda t: 6.0 - 4.0 * t + t**2, 10.0)
+    times, paths = schedule([Mover(lambda t: 3.0 * t, 0.0, 10.0)])
+    assert (times[-1], paths[-1]) == pytest.approx((10.0 / 3.0, 10.0), rel=1e-11)
+    times, paths = schedule([Mover(lambda t: t**2 - 4.0 * t, -6.0, 4.0, 9.0)])
     assert (times[-1], paths[-1]) == pytest.approx((2.0 + 8.0**0.5, 12.0), rel=1e-7)  # 20001 instants, straight between
     assert np.interp(2.0, times, paths) == pytest.approx(4.0, rel=1e-7)
-    with pytest.raises(EquilibriumError, match="load p has no path"):
-        schedule("p", lambda t: 0.0 * t + 10.0, 10.0)
+    with pytest.raises(EquilibriumError, match="no load has a path"):
+        schedule([Mover(lambda t: 0.0 * t, -10.0, 0.0)])
+
+
+def test_the_load_path_follows_the_fastest_load_until_the_last_has_left() -> None:
+    """9 m at 3 m/s, then the slow one alone: 10 m at 1 m/s are over after 10 s, 7 of which it goes alone."""
+    fast, slow = Mover(lambda t: 3.0 * t, 0.0, 9.0), Mover(lambda t: -t, -10.0, 0.0)
+    for movers in ([fast, slow], [slow, fast]):
+        times, paths = schedule(movers)
+        assert (times[-1], paths[-1]) == pytest.approx((10.0, 16.0), rel=1e-11)
+        assert np.interp(3.0, times, paths) == pytest.approx(9.0, rel=1e-11)
+    stops = Mover(lambda t: np.minimum(t, 4.0), -1.0, 10.0, 4.0)
+    late = Mover(lambda t: np.maximum(t - 6.0, 0.0), 2.0, 5.0, 6.0)  # comes to its line 2 m on
+    times, paths = schedule([stops, late])
+    assert (times[-1], paths[-1]) == pytest.approx((11.0, 9.0), rel=1e-3)  # the pause is between two instants

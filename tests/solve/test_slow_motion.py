@@ -136,9 +136,11 @@ def test_loads_with_different_measures_keep_pace() -> None:
     )
     path = numbers(result, "load_path")
     x, arc = numbers(result, "contact_position")[:, 0, 0], arc_to_contact(result, 1)
-    assert x == pytest.approx(x[0] + path, abs=1e-9)
-    assert arc == pytest.approx(arc[0] + 2.0 * path, abs=1e-9)
-    assert numbers(result, "contact_xi")[:, 2] == pytest.approx(14.0 + 0.5 * path, abs=1e-9)
+    fast = path <= 11.0  # until the second load has come to the end, which is the fastest
+    assert fast.sum() >= 4
+    assert x[fast] == pytest.approx(x[0] + 0.5 * path[fast], abs=1e-9)
+    assert arc[fast] == pytest.approx(arc[0] + path[fast], abs=1e-9)
+    assert numbers(result, "contact_xi")[fast, 2] == pytest.approx(14.0 + 0.25 * path[fast], abs=1e-9)
 
 
 def test_a_speed_table_that_turns_round_is_followed_there_and_back() -> None:

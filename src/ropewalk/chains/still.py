@@ -44,17 +44,18 @@ class ChainStatics:
     def loaded(self) -> Frame:
         """The only frame of an equilibrium."""
         xi = self.setting.xi
-        return self._frame(LoadPosition(0.0, 0.0, xi, np.zeros(xi.size), *shapes(self.setting, xi, 0.0)))
+        marks, left = np.zeros(xi.size), np.zeros(xi.size, dtype=np.bool_)
+        return self._frame(LoadPosition(0.0, 0.0, xi, marks, *shapes(self.setting, xi, 0.0), left))
 
     def slowly(self, positions: int, turn: float | None) -> Iterator[Frame]:
-        """Frames at equal steps of the path of the first load, until a load has come to the end of its line.
+        """Yield frames at equal steps of the load path, until all loads have left their lines or stopped.
 
         Args:
             positions: how many.
             turn: rad, see `solve/following.py`.
 
         Raises:
-            EquilibriumError: the first load has no way, or there is no rest with the loads somewhere on it.
+            EquilibriumError: no load moves, or there is no equilibrium with the loads somewhere on their path.
         """
         for place in walk(self.setting, positions, turn):
             yield self._frame(place)
@@ -81,6 +82,8 @@ def loaded_frame(setting: PreparedRun, at: LoadPosition) -> Frame:
         seen.friction[on] = rest.friction
         left, right = -rest.pull[:, 0] - rest.weight[:, 0], rest.pull[:, -1] - rest.weight[:, -1]
         for k, i in enumerate(rest.contact):
+            if at.left[on[k]]:  # the ground bears it, not the support
+                continue
             if i == 0:
                 left = left - rest.force[:, k]
             elif i == last:
@@ -100,6 +103,7 @@ def loaded_frame(setting: PreparedRun, at: LoadPosition) -> Frame:
         potential = potential_of(loaded, setting.strands.gravity)
     seen.hold, seen.xi, seen.speed = seen.force - at.given, at.xi.copy(), np.zeros(count)
     seen.state[:] = STICKS
+    seen.leave(at.left)
     return Frame(
         path=at.path,
         position=nodes,

@@ -105,7 +105,7 @@ def _finely(run: Dynamic) -> Dynamic:
 
 
 def _duration(scenario: Scenario) -> float:
-    """Time in s that a slow motion stands for: until the first load has come to the end of its line."""
+    """Time in s that a slow motion stands for: until the last load has left its line or has stopped."""
     *_, last = walk(setting_of(scenario, horizon(scenario)), 2)
     return float(last.t)
 

@@ -21,6 +21,11 @@ class Travelled:
         self._begin = float(self.at(np.zeros(1))[0])
 
     @property
+    def settled(self) -> float:
+        """The time from which the speed is constant, s."""
+        return max(float(self._time[-1]), 0.0) if self._time.size > 1 else 0.0
+
+    @property
     def path(self) -> Array:
         """What has been travelled since time 0 at each entry, m."""
         return self._way - self._begin

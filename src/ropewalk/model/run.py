@@ -183,7 +183,11 @@ class Dynamic(Declaration):
 
 
 class Quasistatic(Declaration):
-    """Quasi-static motion: the equilibrium for positions of the loads at equal steps of their path."""
+    """Quasi-static motion: the equilibrium for positions of the loads at equal steps of the load path.
+
+    The run ends when the last load has left its line or has stopped. The load path is the distance covered by the load
+    that is fastest at each time, among those still on their way.
+    """
 
     kind: Literal["quasistatic"] = "quasistatic"
     positions: Annotated[int, Count(2, 1_000_000)] = Field(

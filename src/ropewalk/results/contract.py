@@ -113,7 +113,7 @@ VARIABLES: Mapping[str, ResultVariable] = {
 
 PATHS: Mapping[str, ResultVariable] = {
     "time": ResultVariable((), "s", "time"),
-    "load_path": ResultVariable((), "m", "path travelled by the load"),
+    "load_path": ResultVariable((), "m", "distance covered by the fastest load that is still on its way"),
 }
 
 COORDINATES: Mapping[str, ResultVariable] = {

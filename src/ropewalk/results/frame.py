@@ -118,6 +118,12 @@ class Contacts:
         self.tension, self.state = np.full((*one, 2), np.nan), np.full(one, OFF_LINE)
         self.in_air, self.power = np.zeros(one), np.zeros(one)
 
+    def leave(self, left: Array) -> None:
+        """Put contacts (contact,) of one frame off the line."""
+        for values in (self.position, self.force, self.hold, self.xi, self.speed, self.friction, self.tension):
+            values[left] = np.nan
+        self.state[left] = OFF_LINE
+
     def fields(self) -> dict[str, Array]:
         """The same by the names of `Frame`."""
         return {

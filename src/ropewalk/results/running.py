@@ -195,7 +195,7 @@ class StaticEngine(Protocol):
         """With the loads at their start."""
 
     def slowly(self, positions: int, turn: float | None) -> Iterator[Frame]:
-        """At equal steps of the path of the first load, and where paths turn by more than an angle in rad between."""
+        """At equal steps of the load path, and in between where a load's path turns by more than an angle in rad."""
 
 
 @dataclass(frozen=True)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
@@ -15,8 +15,8 @@ from ropewalk.mechanics.chain import Array
 _LEAST = 1.0 / 4096.0
 # Part of the path that the first step may take where its turning counts: there is nothing to judge it by yet.
 FIRST = 1e-3
-_FINE = 20001  # instants among which the end of a path is looked for
-_MOST_DOUBLINGS = 60
+_FINE = 20001  # instants among which the end of a path is looked for while speeds change
+_CLOSE = 2e-15  # part of a displacement by which loads stop before the end of their line: rounding must not pass it
 
 
 class OnPath(Protocol):
@@ -33,7 +33,7 @@ P = TypeVar("P", bound=OnPath)
 
 @dataclass(frozen=True)
 class Reached(Generic[S]):
-    """An equilibrium on the path of the first load, at a time that goes with it."""
+    """An equilibrium on the load path, at a time that goes with it."""
 
     path: float  # m
     t: float  # s
@@ -93,12 +93,12 @@ def quasistatic_motion(
     positions: int,
     turn: float | None,
 ) -> Iterator[Reached[S]]:
-    """Yield equilibria at equal steps of the path of the first load.
+    """Yield equilibria at equal steps of the load path.
 
     Args:
         rest: finds the equilibrium at a time in s, next to another one.
         contacts: where loads touch in an equilibrium, (load, axis) m; NaN of those that do not.
-        times, paths: of the first load, s and m; paths rise.
+        times, paths: as from `schedule`, s and m.
         positions: how many, both ends included.
         turn: angle in rad, by which no load's path turns from one to the next, with those in between; or None.
 
@@ -129,45 +129,56 @@ def turns_less(angle: float, before: Array, here: Array, new: Array) -> bool:
     return bool(np.all(np.arccos(np.clip(cosine, -1.0, 1.0)) <= angle))
 
 
-def schedule(
-    name: str, place: Callable[[Array], Array], end: float, begin: float = 0.0, last: float = 0.0, first: float = 0.0
-) -> tuple[Array, Array]:
-    """Times at which a load is on its way until it has come to the end of its line, and its path then, which rises, m.
+class Mover(NamedTuple):
+    """Prescribed travel of a load: displacements along its line, and those between which it is on the line."""
 
-    Args:
-        name: of the load.
-        place: times in s to places in m.
-        begin, end: of its line, m.
-        last, first: how far its last and its first contact are behind its place, m.
+    travelled: Callable[[Array], Array]  # times in s to displacements since time 0, m
+    low: float  # m, at which the last contact leaves the start of the line
+    high: float  # m, at which the last contact leaves the end of the line
+    settled: float = 0.0  # s, from which the speed is constant
+
+    def end(self) -> float:
+        """Return the time at which the load has left its line for good, or has stopped, s."""
+        close = _CLOSE * max(abs(bound) for bound in (self.low, self.high, 0.0) if np.isfinite(bound))
+        then, after = self.travelled(np.array([self.settled, self.settled + 1.0])).tolist()
+        bound = self.high - close if after > then else self.low + close
+        late = self.settled + max((bound - then) / (after - then), 0.0) if after != then else self.settled
+        times = np.append(np.linspace(0.0, self.settled, _FINE if self.settled else 1), late)
+        place = self.travelled(times)
+        inside = np.flatnonzero((place >= self.low - close) & (place <= self.high + close))
+        if inside.size == 0:
+            return 0.0
+        if inside[-1] < times.size - 1:
+            pair = slice(int(inside[-1]), int(inside[-1]) + 2)
+            bound = self.high if place[pair][1] > self.high else self.low
+            order = np.argsort(place[pair])
+            return float(np.interp(bound, place[pair][order], times[pair][order]))
+        changes = np.flatnonzero(np.diff(place) != 0.0)
+        return float(times[changes[-1] + 1]) if changes.size else 0.0
+
+
+def schedule(movers: Sequence[Mover]) -> tuple[Array, Array]:
+    """Return times, s, and the load path then, m, which rises, until all loads have left their lines or stopped.
+
+    The load path is the distance covered by the load that is fastest at each time, among those not at their end yet:
+    it does not depend on the order of the loads.
 
     Raises:
-        EquilibriumError: it has no way.
+        EquilibriumError: no load moves.
     """
-    origin = float(place(np.zeros(1))[0])
-
-    def beyond(places: Array) -> Array:
-        """Whether and how far all contacts are beyond the end that the load goes to; negative: not there yet."""
-        ahead, back = places - last - end, begin - (places - first)
-        gone: Array = np.where(places < origin, np.maximum(ahead, back), ahead) / end
-        return gone
-
-    until, before = 1.0, np.nan
-    for _ in range(_MOST_DOUBLINGS):
-        now = place(np.array([until]))
-        if beyond(now)[0] >= 0.0 or now[0] == before:
-            break
-        until, before = 2.0 * until, float(now[0])
-    times = np.linspace(0.0, until, _FINE)
-    gone = beyond(place(times))
-    if (gone >= 0.0).any():
-        i = max(int(np.argmax(gone >= 0.0)), 1)
-        end = float(np.interp(0.0, gone[i - 1 : i + 1], times[i - 1 : i + 1]))
-        times = np.append(times[:i], end)
-    path = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(place(times))))])
+    ends = [mover.end() for mover in movers]
+    last, settled = max(ends, default=0.0), max((mover.settled for mover in movers), default=0.0)
+    fine = np.linspace(0.0, min(last, settled), _FINE if settled else 1)
+    times = np.unique(np.concatenate([fine, [0.0, last], ends]))
+    steps = np.zeros(times.size - 1)
+    for mover, end in zip(movers, ends, strict=True):
+        covered = np.abs(np.diff(mover.travelled(times)))
+        steps = np.maximum(steps, np.where(times[1:] <= end, covered, 0.0))
+    path = np.concatenate([[0.0], np.cumsum(steps)])
     if not path[-1] > 0.0:
         raise EquilibriumError(
-            f"load {name} has no path: it stands at the end of its line and would move off it, or its speed is zero; "
-            "let it start elsewhere (travel.from), or turn the sign of speed"
+            "no load has a path: each is located at the end of its line and would move off it, or its speed is zero; "
+            "let one start elsewhere (travel.from), or change the sign of its speed"
         )
     grows = np.concatenate([[True], np.diff(path) > 0.0])
     return times[grows], path[grows]

@@ -6,11 +6,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ropewalk.errors import EquilibriumError
-from ropewalk.mechanics.chain import HORIZONTAL, MATERIAL, SLIP, Array
-from ropewalk.solve.following import FIRST, follow, turns_less
-from ropewalk.solve.load_schedule import load_schedule
+from ropewalk.mechanics.chain import HORIZONTAL, LEAVE, MATERIAL, SLIP, STAY, Array
+from ropewalk.solve.following import FIRST, Mover, follow, schedule, turns_less
+from ropewalk.solve.load_schedule import movers_of
 from ropewalk.solve.loaded_equilibrium import LoadedStrand
 from ropewalk.solve.path_measure import Measure, shapes
 from ropewalk.solve.start import PreparedRun
@@ -25,7 +26,7 @@ _SLIP = 1e-6
 
 @dataclass(frozen=True)
 class LoadPosition:
-    """One position of the loads: path of the first one, where they all stand, and the shapes of all strands."""
+    """One position of the loads: the load path, the places of all loads, and the shapes of all strands."""
 
     path: float  # m
     t: float  # s
@@ -33,6 +34,7 @@ class LoadPosition:
     marks: Array  # (load,) the measures there
     stands: list[LoadedStrand]
     given: Array  # (load, axis) N
+    left: NDArray[np.bool_]  # (load,) whether it has left its line, at whose end it is computed from then on
 
     def contacts(self, setting: PreparedRun) -> Array:
         """Positions of the contacts (load, axis), m."""
@@ -43,7 +45,7 @@ class LoadPosition:
 
 
 def walk(setting: PreparedRun, positions: int, turn: float | None = None) -> Iterator[LoadPosition]:
-    """Yield the loads at equal steps of the path of the first one, until one of them comes to the end of its line.
+    """Yield the loads at equal steps of the load path, until all have come to the ends of their lines or stopped.
 
     All loads keep the pace of their speeds. Forces that change in time are taken at the time of the path. Between the
     positions the step is refined where the next shape is not found at once, where the slip path needs it, and where a
@@ -58,17 +60,11 @@ def walk(setting: PreparedRun, positions: int, turn: float | None = None) -> Ite
     stands, given = shapes(setting, setting.xi, 0.0)
     measures = [Measure(setting, k) for k in range(setting.xi.size)]
     marks = np.array([m.of(x, stands) for m, x in zip(measures, setting.xi, strict=True)])
-    times, ways = load_schedule(setting, measures, marks)
-    path = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(ways[0])))))
-    first = setting.loads.strand[0]
-    if not path[-1] > _TOLERANCE * setting.strands.links[first] * setting.strands.h[first]:
-        raise EquilibriumError(
-            "the first load has no path: it stands at the end of its line and would move off it, or its speed is zero; "
-            "let it start elsewhere (travel.from), or turn the sign of speed"
-        )
-    here = LoadPosition(0.0, 0.0, setting.xi.copy(), marks, stands, given)
+    movers = movers_of(setting, measures, marks)
+    times, path = schedule(movers)
+    here = LoadPosition(0.0, 0.0, setting.xi.copy(), marks, stands, given, np.zeros(setting.xi.size, dtype=np.bool_))
     yield here
-    by = _PathWalk(setting, measures, times, path, ways, marks, turn)
+    by = _PathWalk(setting, measures, movers, times, path, marks, turn)
     yield from follow(here, by.step, by.is_fine, np.linspace(0.0, path[-1], positions), between=turn is not None)
 
 
@@ -78,16 +74,19 @@ class _PathWalk:
 
     setting: PreparedRun
     measures: list[Measure]
+    movers: list[Mover]
     times: Array
-    path: Array  # of the first load at these times, m
-    ways: list[Array]  # of every load, as measured
+    path: Array  # the load path at these times, m
     begin: Array  # (load,) the measures at the beginning
     turn: float | None
 
     def step(self, here: LoadPosition, before: LoadPosition | None, path: float) -> LoadPosition:
         t = float(np.interp(path, self.path, self.times))
-        target = np.array([np.interp(t, self.times, way) for way in self.ways])
-        advance = target - [np.interp(here.t, self.times, way) for way in self.ways]
+        before_this, target = np.array([mover.travelled(np.array([here.t, t])) for mover in self.movers]).T
+        stays = self.setting.loads.at_end == STAY
+        low, high = np.array([mover[1:3] for mover in self.movers]).T
+        before_this, target = (np.where(stays, np.clip(way, low, high), way) for way in (before_this, target))
+        advance = target - before_this
         step = _PathStep(self.setting, self.measures, t, here.xi, here.marks, self.begin + target, advance)
         guess = here.xi + advance
         similar = here.stands
@@ -98,7 +97,8 @@ class _PathWalk:
                 similar = [now.continued(last, on) for now, last in zip(here.stands, before.stands, strict=True)]
         xi, stands, given = step.take(guess, similar)
         marks = np.array([m.of(x, stands) for m, x in zip(self.measures, xi, strict=True)])
-        return LoadPosition(path, t, xi, marks, stands, given)
+        left = (self.setting.loads.at_end == LEAVE) & ((target < low) | (target > high))
+        return LoadPosition(path, t, xi, marks, stands, given, left)
 
     def is_fine(self, before: LoadPosition | None, here: LoadPosition, new: LoadPosition) -> bool:
         slipping = np.array([m.kind == SLIP for m in self.measures])

@@ -65,7 +65,8 @@ def prescribed_motion_of(
     behind = starts.max() - starts
     material = bool(loading.loads.measure[wheels[0]] == MATERIAL)
     scale = 1.0 if material else wire.length / abs(wire.end[0] - wire.start[0])
-    place = _place(loading.loads, int(wheels[np.argmax(starts)]), scale * float(starts.max()), scale)
+    course = _course(loading.loads, int(wheels[np.argmax(starts)]), scale)
+    place, settled = partial(course.at, start=scale * float(starts.max())), course.settled
     if isinstance(load, GivenForces):
         up, none = len(loading.axes) - 1, np.zeros((0, 0))
         contacts = [Contact(number, behind=float(scale * d), stiffness=0.0, material=material) for d in behind]
@@ -79,16 +80,16 @@ def prescribed_motion_of(
                 found[:, i] = [force_at(loading.loads, int(k), float(t), up) for t in instants]
             return found
 
-        return PrescribedMotion(moving_load, place, given=given), None
+        return PrescribedMotion(moving_load, place, given=given, settled=settled), None
     system = multibody_of(loading, name, load, behind)
     moving_load = _moving_load(system, name, load, number, scale * behind, wire.start[2], material=material)
-    return PrescribedMotion(moving_load, place, beside=ON_GROUND, stands=True), system
+    return PrescribedMotion(moving_load, place, settled=settled, beside=ON_GROUND, stands=True), system
 
 
-def _place(loads: Loads, k: int, start: float, scale: float) -> Callable[[Array], Array]:
-    """Times to stations of load k, m: at the start, and `scale` times as fast as its speed says."""
+def _course(loads: Loads, k: int, scale: float) -> Travelled:
+    """Return the travel of load k along its wire: `scale` times as fast as its speed says."""
     part = slice(int(loads.speed_first[k]), int(loads.speed_first[k] + loads.speed_count[k]))
-    return partial(Travelled(loads.speed_time[part], scale * loads.speed_value[part]).at, start=start)
+    return Travelled(loads.speed_time[part], scale * loads.speed_value[part])
 
 
 def _moving_load(

@@ -26,6 +26,7 @@ class PrescribedMotion:
     first: Array = field(default_factory=lambda: np.zeros(0))  # (coordinate,) m at the beginning
     rate: Array = field(default_factory=lambda: np.zeros(0))  # (coordinate,) m/s at the beginning
     stands: bool = False  # whether both are those of a load at rest on its contacts, which follow the wires at rest
+    settled: float = 0.0  # s, from which the speed is constant
     beside: int = ABSENT  # before the start of the wire and beyond its end: ABSENT, or ON_GROUND
 
 

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ropewalk.errors import EquilibriumError
 from ropewalk.results.audit import energies
 from ropewalk.results.frame import IN_AIR, MOVES, Contacts, Frame, Layout, RunInfo
-from ropewalk.solve.following import quasistatic_motion, schedule
+from ropewalk.solve.following import Mover, quasistatic_motion, schedule
 from ropewalk.wires.bearing import Bearing, Borne
 from ropewalk.wires.failing_at_rest import BorneByTheRest, stand_while_ties_fail
 from ropewalk.wires.layout import Reactions, axes_of, axial_force, layout_of
@@ -51,14 +51,14 @@ class WireStatics:
         return self._frame(found, 0.0)
 
     def slowly(self, positions: int, turn: float | None) -> Iterator[Frame]:
-        """Frames at equal steps of the path of the first load, until it has come to the end of its line.
+        """Yield frames at equal steps of the load path, until all loads have left their lines or stopped.
 
         Args:
             positions: how many.
             turn: rad, see `solve/following.py`.
 
         Raises:
-            EquilibriumError: the first load has no way, or there is no rest with the loads somewhere on it.
+            EquilibriumError: no load moves, or there is no equilibrium with the loads somewhere on their path.
         """
 
         def rest(t: float, near: BorneByTheRest | None) -> BorneByTheRest:
@@ -66,7 +66,7 @@ class WireStatics:
                 return stand_while_ties_fail(self._bearing, t, self._start.position)
             return stand_while_ties_fail(self._bearing, t, near.borne.position, near.failures)
 
-        times, paths = self._schedule()
+        times, paths = schedule(self._movers())
         self._tell_of_cuts(float(times[-1]))
         for at in quasistatic_motion(rest, self._places, times, paths, positions, turn):
             self._tell_of_failures(at.shape, f"at load_path = {at.path:.4g} m")
@@ -92,18 +92,15 @@ class WireStatics:
         self.run_info.warnings += [f"{where} {ties[each.tie].name} failed under {each.force:.4g} N" for each in new]
         self._noted += len(new)
 
-    def _schedule(self) -> tuple[Array, Array]:
-        """Times and paths of the first load, until all its contacts have come to the end of their line."""
-        if not self.task.prescribed_motions:
-            raise EquilibriumError("quasi-static runs need a load that travels")
-        prescribed_motion = self.task.prescribed_motions[0]
-        wires, contacts = self.task.plan.wires, prescribed_motion.moving_load.contacts
-        behind = [contact.behind for contact in contacts]
-        length = wires[contacts[0].wire].length
-        last = max(wires[contact.wire].length + contact.behind for contact in contacts) - length
-        return schedule(
-            prescribed_motion.moving_load.name, prescribed_motion.place, length, last=last, first=min(behind)
-        )
+    def _movers(self) -> list[Mover]:
+        """Return the prescribed travel of every load."""
+        wires, movers = self.task.plan.wires, []
+        for motion in self.task.prescribed_motions:
+            begin = float(motion.place(np.zeros(1))[0])
+            own = [(begin - contact.behind, wires[contact.wire].length) for contact in motion.moving_load.contacts]
+            low, high = -max(place for place, _ in own), max(length - place for place, length in own)
+            movers.append(Mover(partial(_displacement, motion.place, begin), low, high, motion.settled))
+        return movers
 
     def _places(self, rest: BorneByTheRest) -> Array:
         """Where contacts are, (contact, 3) m; NaN of those off their wires."""
@@ -170,3 +167,8 @@ class WireStatics:
         potential.pressing = loads
         borne = -float(self._bearing.moving_loads.rest @ np.where(found.touches, found.height, 0.0))
         return energies(elastic=stored, gravitational=-weights, load_potential=borne)
+
+
+def _displacement(place: Callable[[Array], Array], begin: float, times: Array) -> Array:
+    """Return displacements of a load from a station `begin` in m at times in s, m."""
+    return place(times) - begin

@@ -33,6 +33,7 @@ from ropewalk.solve.stages import LOBATTO, RADAU, Stages
 from ropewalk.system.assembling.assembly import contacts_of, refuse_beyond
 from ropewalk.system.contact.contact_record import BODY
 from ropewalk.system.contact.feet import steps_by_table
+from ropewalk.system.contact.tables import WHERE
 from ropewalk.system.dynamics import motion, stability
 from ropewalk.system.dynamics.asking import FAILED, Asking
 from ropewalk.system.dynamics.beginning import begin_elsewhere, begin_in_wind, measure_from_rest
@@ -486,8 +487,11 @@ class SystemMotion:
         """Go on from there."""
         self._builder.set_state(tree["frames"])
         self._carrier.longest = tree["longest"]
+        located = self.contacts[WHERE].copy()
         for name, arrays in self._changing().items():
             put(arrays, tree[name])
+        for field in WHERE:  # the run may be longer than that of the checkpoint
+            self.contacts[field] = located[field]
         self._asking.set_state(tree["guides"])
         self._partings.set_state(tree["partings"])
 

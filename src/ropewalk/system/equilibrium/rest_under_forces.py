@@ -23,7 +23,7 @@ from ropewalk.system.assembling.assembly import contacts_of, refuse_beyond
 from ropewalk.system.assembling.laid import Over
 from ropewalk.system.elements.structure import WORKS, SystemState
 from ropewalk.system.equilibrium.fixed_stations import FixedStations
-from ropewalk.system.equilibrium.slow_motion import SlowMotion, travelled
+from ropewalk.system.equilibrium.slow_motion import SlowMotion, positions_at
 from ropewalk.system.equilibrium.split_holds import Beside, SplitHolds
 from ropewalk.system.equilibrium.split_lines import AT_SHEAVE, LineForce, LineShape, SplitLines, SplitRest
 from ropewalk.system.equilibrium.structures import structure_of
@@ -111,9 +111,9 @@ class RestUnderForces(SlowMotion[_Loaded]):
     def _rest(self, t: float, near: _Loaded | None) -> _Loaded:
         """Rest with all loads where they are at a time in s, next to another one."""
         contacts, tables, wheels = self._carried.contacts, self._carried.tables, self._loading.wheels
-        length, stays = self._structure.lines.length[contacts["line"]], contacts["stays"] == 1
-        at = np.array([float(contact["begin"] + travelled(tables, contact, np.asarray(t))) for contact in contacts])
-        at = np.where(stays | (np.abs(at - length) <= 1e-9 * length), np.clip(at, 0.0, length), at)
+        length = self._structure.lines.length[contacts["line"]]
+        at = positions_at(self._carried, self._structure, t)
+        at = np.where(np.abs(at - length) <= 1e-9 * length, np.clip(at, 0.0, length), at)
         on, axes = (at >= 0.0) & (at <= length), range(self._lines.gravity.size)
         given = [[_at(tables.force_time, tables.force_value[a], c, "force", t) for a in axes] for c in contacts]
         force, base = (

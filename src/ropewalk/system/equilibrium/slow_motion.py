@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
+from functools import partial
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -12,7 +13,7 @@ from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.chain import Array
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import Frame, Layout, RunInfo
-from ropewalk.solve.following import quasistatic_motion, schedule
+from ropewalk.solve.following import Mover, quasistatic_motion, schedule
 from ropewalk.system.contact.tables import Tables
 from ropewalk.system.elements.structure import Structure
 from ropewalk.system.loads.loaded_structure import Carried
@@ -53,38 +54,45 @@ class SlowMotion(ABC, Generic[Rest]):
         return frame
 
     def slowly(self, positions: int, turn: float | None) -> Iterator[Frame]:
-        """Frames at equal steps of the path of the first load, until it has come to the end of its line.
+        """Yield frames at equal steps of the load path, until all loads have left their lines or stopped.
 
         Args:
             positions: how many.
             turn: rad, see `solve/following.py`.
 
         Raises:
-            EquilibriumError: the first load has no way, or there is no rest with the loads somewhere on it.
+            EquilibriumError: no load moves, or there is no equilibrium with the loads somewhere on their path.
         """
-        way = schedule_of(self._scenario, self._carried, self._structure)
+        way = schedule(movers_of(self._carried, self._structure))
         for at in quasistatic_motion(self._rest, self._places, *way, positions, turn):
             yield self._frame(at.shape, at.path, at.t)
 
 
-def schedule_of(scenario: Scenario, carried: Carried, structure: Structure) -> tuple[Array, Array]:
-    """Times and paths of the first load, until all its contacts have come to the end of their line.
+def movers_of(carried: Carried, structure: Structure) -> list[Mover]:
+    """Return the prescribed travel of every load."""
+    contacts, movers = carried.contacts, []
+    for load in np.unique(contacts["load"]):
+        own = contacts[contacts["load"] == load]
+        last = int(own[0]["speed_first"] + own[0]["speed_count"]) - 1
+        settled = float(carried.tables.speed_time[last]) if own[0]["speed_count"] > 1 else 0.0
+        low, high = -own["begin"], structure.lines.length[own["line"]] - own["begin"]
+        bounds = (low.max(), high.min()) if own[0]["stays"] else (low.min(), high.max())
+        movers.append(Mover(partial(travelled, carried.tables, own[0]), *map(float, bounds), max(settled, 0.0)))
+    return movers
 
-    Raises:
-        EquilibriumError: there is no load, or it has no way.
+
+def positions_at(carried: Carried, structure: Structure, t: float) -> Array:
+    """Return where contacts are along their lines at a time in s, (contact,) m; loads that stay stop at the end.
+
+    A load with several contacts stops as a whole, when its first one has come to the end.
     """
-    contacts, tables = carried.contacts, carried.tables
-    if not contacts.size:
-        raise EquilibriumError("quasi-static runs need a load that travels")
-    first = contacts[0]
-    mine = contacts["begin"][contacts["load"] == first["load"]]
-
-    def place(times: Array) -> Array:
-        return np.asarray(first["begin"] + travelled(tables, first, times))
-
-    behind, name = first["begin"] - mine, list(scenario.loads)[int(first["load"])]
-    end = float(structure.lines.length[first["line"]])
-    return schedule(name, place, end, last=float(behind.max()), first=float(behind.min()))
+    contacts, high = carried.contacts, structure.lines.length[carried.contacts["line"]]
+    moved = np.array([float(travelled(carried.tables, contact, np.asarray(t))) for contact in contacts])
+    for load in np.unique(contacts["load"][contacts["stays"] == 1]):
+        own = contacts["load"] == load
+        begin, end = contacts["begin"][own], high[own]
+        moved[own] = np.clip(moved[own], -begin.min(), (end - begin).min())
+    return np.asarray(contacts["begin"] + moved)
 
 
 def travelled(tables: Tables, contact: Any, t: Array) -> Array:

@@ -18,13 +18,16 @@ from ropewalk.system.elements.structure import SystemState
 from ropewalk.system.equilibrium.rest import at_rest, settled_in_wind
 from ropewalk.system.equilibrium.rubbing import RubbingPotential, is_rubbing
 from ropewalk.system.equilibrium.slow_hysteresis import LaggingPotential, is_lagging, settle_after
-from ropewalk.system.equilibrium.slow_motion import SlowMotion
+from ropewalk.system.equilibrium.slow_motion import SlowMotion, positions_at, travelled
 from ropewalk.system.equilibrium.statics import SystemPotential
 from ropewalk.system.equilibrium.structures import structure_of
 from ropewalk.system.loads.loaded_structure import Carried, LoadedStructure
 from ropewalk.system.reporting.doubts import joined_beside
 from ropewalk.system.reporting.frames import FrameBuilder, SystemNote
 from ropewalk.system.reporting.hold_forces import HoldForces, on_friction
+
+
+_INSIDE = 1e-12  # part of a line by which loads that stay at its end stop before it: rounding must not pass it
 
 
 class _RestShape(NamedTuple):
@@ -98,6 +101,12 @@ class SystemStatics(SlowMotion[_RestShape]):
         if near is not None:
             loaded.contacts[:] = near.contacts
             r = potential.put(near.places)[0]
+        contacts, carried = loaded.contacts, self._carried
+        place, length = positions_at(carried, structure, t), structure.lines.length[contacts["line"]]
+        stays = (contacts["stays"] == 1) & (place >= 0.0)
+        place[stays] = np.minimum(place, length * (1.0 - _INSIDE))[stays]
+        moved = [float(travelled(carried.tables, contact, np.asarray(t))) for contact in contacts]
+        contacts["begin"] = np.where(stays, place - moved, carried.contacts["begin"])
         if isinstance(potential, RubbingPotential):
             potential.kept = potential.laid if near is None or near.kept is None else near.kept
         loaded.stand(t, structure.restraints.put(r, t))  # what moves as prescribed is where it is then
@@ -114,7 +123,7 @@ class SystemStatics(SlowMotion[_RestShape]):
             return settle_after(potential, settle_alone, shape, near.lag)
 
         lagging = is_lagging(structure)
-        contacts, s = loaded.contacts, loaded.state.s
+        s = loaded.state.s
         shape = self._restraint.hold(contacts, s, loaded.on, settle, potential.taken())
         if lagging:
             potential.buffers.lag[1] = potential.buffers.strain
