@@ -30,6 +30,7 @@ from ropewalk.system.assembling.line_shapes import attached, curves
 from ropewalk.system.assembling.membranes import sheet_of
 from ropewalk.system.elements.structure import Structure
 from ropewalk.system.equilibrium.rest import ends_of, settled_in_wind, tensions, with_ends
+from ropewalk.system.equilibrium.softening import softer_laws
 from ropewalk.system.equilibrium.statics import SystemPotential
 from ropewalk.system.equilibrium.tracks import with_tracks
 from ropewalk.system.loads.loaded_structure import LoadedStructure
@@ -184,6 +185,12 @@ class SplitRest(NamedTuple):
         potential.blown = self.potential.blown.copy()
         return self._replace(potential=potential, forces=tuple(forces))
 
+    def with_laws(self, law: Array) -> SplitRest:
+        """The same with other axial laws, (run, parameter)."""
+        structure = self.assembled.structure
+        structure = structure._replace(runs=structure.runs._replace(law=law))
+        return self._replace(assembled=replace(self.assembled, structure=structure)).under(self.forces)
+
     def ends(self, mark: int) -> tuple[float, float]:
         """Places on the line of a mark at which the runs beside it end, m."""
         s = int(self.run[mark])
@@ -243,7 +250,23 @@ class SplitLines:
                 return found._replace(before=(near.t, near.shape)) if even else found
             near = LineShape.of(near)
         start = self._split(forces, self._drawn() if near is None else near.over, near, t)
-        return self._slipped(start, friction)
+        if not self._sheaves or friction.any():
+            return self._slipped(start, friction)
+        try:
+            return self._slipped(start, friction)
+        except EquilibriumError:
+            if (soft := self._stiffened(start, friction)) is None:
+                raise
+        if not self._is_even(soft):
+            soft = self._split(forces, soft.over, LineShape.of(soft), t)
+        return self._slipped(soft, friction)
+
+    def _stiffened(self, start: SplitRest, friction: Array) -> SplitRest | None:
+        """Equilibrium of lines that are much softer, then ever stiffer; None where none is softer."""
+        law, found = start.structure.runs.law, start
+        for rows in softer_laws(start.structure):
+            found = self._slipped(found.with_laws(rows), friction)
+        return None if found is start else found.with_laws(law)
 
     def _gone_on(self, near: SplitRest, forces: Sequence[LineForce], t: float) -> Iterator[SplitRest]:
         """Where lines may be about at rest, without dividing them anew: as they went on before, and as they are."""
