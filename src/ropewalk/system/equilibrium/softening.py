@@ -15,7 +15,8 @@ from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array
 from ropewalk.system.elements.structure import Structure
 
-_FACTOR = 5.0  # by which lines become stiffer at once
+# Least axial stiffness over all loads: lines that are softer hang far below where they are. And the factor of a step.
+_LEAST, _FACTOR = 5.0, 5.0
 
 
 def softer_laws(structure: Structure, load: float = 0.0) -> Iterator[Array]:
@@ -26,7 +27,7 @@ def softer_laws(structure: Structure, load: float = 0.0) -> Iterator[Array]:
         load: N, of what stands on them.
     """
     runs, restraints = structure.runs, structure.restraints
-    least = load + float(np.abs(structure.nodes.force).sum() + np.abs(restraints.force).sum())
+    least = _LEAST * (load + float(np.abs(structure.nodes.force).sum() + np.abs(restraints.force).sum()))
     stiffness = np.array([law.tangent(row, 1e-9) for row in runs.law])
     soft = (runs.law[:, 0] != law.RIGID) & (runs.law[:, 0] != law.TABLE) & (runs.bending == 0.0) & (stiffness > least)
     while least > 0.0 and (soft & (stiffness > least)).any():
