@@ -55,6 +55,9 @@ class Truss:
             K[0] = K[:, 0] = 0.0
         return sparse.csc_matrix(K[np.ix_(self.only, self.only)])
 
+    def convex(self, r: Array) -> sparse.csc_matrix:
+        return self.stiffness(r)
+
     def pattern(self, r: Array) -> sparse.csc_matrix:
         return sparse.csc_matrix(np.ones((len(self.only), len(self.only))))
 

@@ -29,7 +29,7 @@ _IN_PLANE = 1e-9
 # that nothing but that is left.
 _ROUNDING, _STALLED = 4.0 * np.finfo(np.float64).eps, 5
 _STIFFEST = 1e6  # shift, of the largest stiffness, with which a search downhill gives up
-_LEAPS = 0.1, 1e-2, 1e-3, 1e-4  # of the size, off a saddle
+_LEAPS = 10.0 ** -np.arange(1.0, 8.0)  # of the size, off a saddle: stiff lines leave it by short ones only
 
 
 class Potential(Protocol):
@@ -58,6 +58,9 @@ class Potential(Protocol):
 
     def stiffness(self, r: Array) -> sparse.csc_matrix:
         """Change of these forces, with the sign turned, (unknown, unknown) N/m."""
+
+    def convex(self, r: Array) -> sparse.csc_matrix:
+        """The same without what makes it indefinite, as far as that is known: the thrust of links."""
 
     def pattern(self, r: Array) -> sparse.csc_matrix:
         """Where the stiffness may have entries, whatever the shape is."""
@@ -266,6 +269,9 @@ def _downhill(potential: Potential, start: Array, way: Way) -> Array:
     for _ in range(_MOST_STEPS):
         K, out = potential.stiffness(r), potential.out_of_balance(r)
         solver = solver or Solver(_with_diagonal(potential.pattern(r)), way)
+        if shift == 0.0 and not _factorised(solver, K, 0.0):
+            shift = _NEUTRAL
+        K = potential.convex(r) if shift else K
         while True:
             step = solver.solve(out) if _factorised(solver, K, shift) else np.full_like(out, np.nan)
             largest = float(np.abs(step).max(initial=0.0))

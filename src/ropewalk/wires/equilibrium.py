@@ -304,6 +304,9 @@ class _WireShape:
     def stiffness(self, r: Array) -> sparse.csc_matrix:
         return self.potential.stiffness(r, self.failed)[self._free][:, self._free]
 
+    def convex(self, r: Array) -> sparse.csc_matrix:
+        return self.stiffness(r)
+
     def pattern(self, r: Array) -> sparse.csc_matrix:
         return self.potential.pattern[self._free][:, self._free]
 

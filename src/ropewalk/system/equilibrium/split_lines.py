@@ -30,6 +30,7 @@ from ropewalk.system.assembling.line_shapes import attached, curves
 from ropewalk.system.assembling.membranes import sheet_of
 from ropewalk.system.elements.structure import Structure
 from ropewalk.system.equilibrium.rest import ends_of, settled_in_wind, tensions, with_ends
+from ropewalk.system.equilibrium.softening import softer_laws
 from ropewalk.system.equilibrium.statics import SystemPotential
 from ropewalk.system.equilibrium.tracks import with_tracks
 from ropewalk.system.loads.loaded_structure import LoadedStructure
@@ -42,8 +43,8 @@ _BESIDE = 0.05
 _UNEVEN = 2.0
 # Part of the load on a link that an end bears for which the next two nodes bear some, see `rest.py`.
 _SHARED = 0.375
-# Rounds in which lines come to rest over sheaves; what is left of a tension then, and of a length.
-_ROUNDS, _EVEN, _CLOSE = 100, 1e-9, 1e-10
+# Rounds in which lines come to rest over sheaves, before softer ones are tried, too; what is left of a tension then, and of a length.
+_ROUNDS, _FEW, _EVEN, _CLOSE = 100, 12, 1e-9, 1e-10
 # By how much lines are slipped to see what that changes, and the most of the way to the next end in a round.
 _NUDGE, _FAR = 1e-6, 0.4
 # The most that a shape goes on as it went before, over how far it went then.
@@ -184,6 +185,12 @@ class SplitRest(NamedTuple):
         potential.blown = self.potential.blown.copy()
         return self._replace(potential=potential, forces=tuple(forces))
 
+    def with_laws(self, law: Array) -> SplitRest:
+        """The same with other axial laws, (run, parameter)."""
+        structure = self.assembled.structure
+        structure = structure._replace(runs=structure.runs._replace(law=law))
+        return self._replace(assembled=replace(self.assembled, structure=structure)).under(self.forces)
+
     def ends(self, mark: int) -> tuple[float, float]:
         """Places on the line of a mark at which the runs beside it end, m."""
         s = int(self.run[mark])
@@ -243,7 +250,23 @@ class SplitLines:
                 return found._replace(before=(near.t, near.shape)) if even else found
             near = LineShape.of(near)
         start = self._split(forces, self._drawn() if near is None else near.over, near, t)
-        return self._slipped(start, friction)
+        if not self._sheaves or friction.any():
+            return self._slipped(start, friction)
+        try:
+            return self._slipped(start, friction, close=True, rounds=_FEW)
+        except EquilibriumError:
+            if (soft := self._stiffened(start, friction)) is None:
+                raise
+        if not self._is_even(soft):
+            soft = self._split(forces, soft.over, LineShape.of(soft), t)
+        return self._slipped(soft, friction)
+
+    def _stiffened(self, start: SplitRest, friction: Array) -> SplitRest | None:
+        """Equilibrium of lines that are much softer, then ever stiffer; None where none is softer."""
+        law, found = start.structure.runs.law, start
+        for rows in softer_laws(start.structure):
+            found = self._slipped(found.with_laws(rows), friction)
+        return None if found is start else found.with_laws(law)
 
     def _gone_on(self, near: SplitRest, forces: Sequence[LineForce], t: float) -> Iterator[SplitRest]:
         """Where lines may be about at rest, without dividing them anew: as they went on before, and as they are."""
@@ -373,13 +396,14 @@ class SplitLines:
                 marks.setdefault(force.line, []).append(force.at)
         return marks, at, found
 
-    def _slipped(self, found: SplitRest, friction: Array, *, close: bool = False) -> SplitRest:
+    def _slipped(self, found: SplitRest, friction: Array, *, close: bool = False, rounds: int = _ROUNDS) -> SplitRest:
         """At rest, with lines slipped over their sheaves."""
         found.potential.loaded.state.t[0] = found.t
+        few = rounds < _ROUNDS
         found = found._replace(shape=settled_in_wind(found.potential, found.shape, found.t, close=close))
         sheaves = len(found.sheaves)
-        begin, goes = found.x.copy(), np.zeros(sheaves)
-        for _ in range(_ROUNDS if sheaves else 0):
+        begin, goes, last = found.x.copy(), np.zeros(sheaves), np.zeros(sheaves)
+        for _ in range(rounds if sheaves else 0):
             miss, largest = missed(found, friction, goes)
             goes = np.where(goes == 0.0, np.sign(miss), goes)
             step, way = slip(found, miss, friction, goes) if np.abs(miss).max() > _EVEN * largest else (0.0 * miss, 0.0)
@@ -389,9 +413,10 @@ class SplitLines:
                     return found
                 goes[back], found.x[:sheaves][back] = 0.0, begin[:sheaves][back]  # it does not slip there at all
                 found = found.put(found.x)
-                found = found._replace(shape=settled_in_wind(found.potential, found.shape, found.t))
+                found = found._replace(shape=settled_in_wind(found.potential, found.shape, found.t, close=few))
                 continue
-            x, most = found.x.copy(), 1.0
+            back = (step * last < 0.0) & (np.abs(step) > 0.5 * np.abs(last))  # to and fro, as over folds
+            x, most = found.x.copy(), float((0.5 * np.abs(last[back] / step[back])).min(initial=1.0))
             for j, far in enumerate(step.tolist()):
                 name, _ = found.sheaves[j]
                 end = found.ends(j)[int(far > 0.0)]
@@ -400,8 +425,9 @@ class SplitLines:
                     raise EquilibriumError(AT_SHEAVE if end in loads else RUN_OUT)
                 most = min(most, _FAR * abs(end - x[j]) / max(abs(far), 1e-300))
             x[:sheaves] += most * step
+            last = most * step
             found = found.put(x)._replace(shape=found.shape + most * way)
-            found = found._replace(shape=settled_in_wind(found.potential, found.shape, found.t))
+            found = found._replace(shape=settled_in_wind(found.potential, found.shape, found.t, close=few))
         if sheaves:
             raise EquilibriumError("no rest was found: lines do not stop slipping over their sheaves; check their ends")
         return found

@@ -8,6 +8,7 @@ T/l follow from S = S(T), with T the mean of h T/l of the links, kinks included.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from copy import copy
 
 import numpy as np
 import scipy.sparse as sparse
@@ -16,6 +17,7 @@ from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import lean, lean_inner
+from ropewalk.solve import minimum
 from ropewalk.solve.symmetric import Way
 from ropewalk.system.contact.contact_point import locate_point
 from ropewalk.system.contact.contact_record import BODY, ON
@@ -48,6 +50,7 @@ from ropewalk.system.elements.spline import WIDTH
 from ropewalk.system.elements.structure import WORKS, Buffers, Structure
 from ropewalk.system.elements.surfaces import add_surface_forces, distribute_forces, stored_in
 from ropewalk.system.elements.ties import add_tie_forces, stored_in_ties
+from ropewalk.system.equilibrium.softening import softer_laws
 from ropewalk.system.loads.loaded_structure import LoadedStructure
 
 
@@ -236,8 +239,8 @@ class SystemPotential:
     def out_of_balance(self, shape: Array) -> Array:
         return np.asarray(self.free.T @ self.forces(shape))
 
-    def stiffness(self, shape: Array) -> sparse.csc_matrix:
-        """Second derivatives of the energy, (unknown, unknown) N/m."""
+    def stiffness(self, shape: Array, *, convex: bool = False) -> sparse.csc_matrix:
+        """Second derivatives of the energy, (unknown, unknown) N/m; `convex`: without the thrust of links."""
         runs, n, axes = self.structure.runs, self.structure.nodes.mass.size, self.axes
         r, u = self._look(shape)
         tension, strain, length = self.buffers.tension.copy(), self.buffers.strain.copy(), self.buffers.length.copy()
@@ -261,7 +264,7 @@ class SystemPotential:
             tension[first + links] = 0.0
             h[first + links] = runs.h[s]
         length[~is_link] = 1.0
-        q = tension / length
+        q = np.maximum(tension, 0.0) / length if convex else tension / length
         rise = (slope / h - q) / length**2  # change of T/l with l^2/2
         arced = q * self._forms.arcs
         arcs = 2.0 * ARC * (arced + np.concatenate([[0.0], arced[:-1]]))
@@ -278,6 +281,9 @@ class SystemPotential:
         K.eliminate_zeros()
         self._stiff = shape, K
         return K
+
+    def convex(self, shape: Array) -> sparse.csc_matrix:
+        return self.stiffness(shape, convex=True)
 
     def _of_restraints(self, what: str) -> sparse.csr_matrix:
         """Springs or dampers of supports, (place, place)."""
@@ -428,7 +434,7 @@ class SystemPotential:
         parts.append(sparse.block_diag([sparse.csc_matrix((n * self.axes, n * self.axes)), turned]))
         if self.loaded.on.size:
             parts.append(self._around_contacts(count))
-        if not structure.runs.bending.any():  # lines may be straight now
+        if (structure.runs.bending == 0.0).any():  # lines may be straight now
             parts.append(self._of_any_shape(count))
         free = abs(self.free)
         K = K + free.T @ sum(parts[1:], start=parts[0]) @ free
@@ -489,4 +495,11 @@ class SystemPotential:
         return self.taken(), passed
 
     def approaches(self, start: Array, way: Way) -> Iterator[Array]:
-        return iter(())
+        """Shapes of softer lines that become stiffer, see `softening.py`."""
+        soft, near = copy(self), start
+        soft.approaches = lambda *_: iter(())  # type: ignore[method-assign]
+        for rows in softer_laws(self.structure, float(np.abs(self.loaded.weight).sum())):
+            soft.structure = self.structure._replace(runs=self.structure.runs._replace(law=rows))
+            near = minimum.settle(soft, near, way)
+        if near is not start:
+            yield near

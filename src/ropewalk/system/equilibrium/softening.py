@@ -1,0 +1,38 @@
+"""Equilibrium from any drawing: lines that are as soft as their loads are heavy hang taut, then become stiffer.
+
+A slack line that hardly stretches makes the energy a narrow, curved valley, and its links may fold. The same line with
+an axial stiffness of the size of all loads is taut everywhere, and Newton's method finds its equilibrium from a rough
+drawing; from there stiffness grows by a constant factor to what it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ropewalk.mechanics import law
+from ropewalk.mechanics.chain import Array
+from ropewalk.system.elements.structure import Structure
+
+# Least axial stiffness over all loads: lines that are softer hang far below where they are. And the factor of a step.
+_LEAST, _FACTOR = 5.0, 5.0
+
+
+def softer_laws(structure: Structure, load: float = 0.0) -> Iterator[Array]:
+    """Yield axial laws (run, parameter) of softer lines, ever stiffer; none where all are as soft or bend.
+
+    Args:
+        structure: whose lines these are.
+        load: N, of what stands on them.
+    """
+    runs, restraints = structure.runs, structure.restraints
+    least = _LEAST * (load + float(np.abs(structure.nodes.force).sum() + np.abs(restraints.force).sum()))
+    stiffness = np.array([law.tangent(row, 1e-9) for row in runs.law])
+    soft = (runs.law[:, 0] != law.RIGID) & (runs.law[:, 0] != law.TABLE) & (runs.bending == 0.0) & (stiffness > least)
+    while least > 0.0 and (soft & (stiffness > least)).any():
+        part = np.where(soft, np.minimum(least / np.where(soft, stiffness, 1.0), 1.0), 1.0)
+        rows = runs.law.copy()
+        rows[:, 2:] *= part[:, None]
+        yield rows
+        least *= _FACTOR
