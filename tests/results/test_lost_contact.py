@@ -36,7 +36,7 @@ def remarked(force: list[float], hold: float = 0.0, gravity: float = 9.81, **loa
 def test_who_pulls_is_named_with_when_and_how_much() -> None:
     (said,) = remarked([-300.0, -400.0, np.nan, 20.0, 90.0, -100.0])
     assert said.startswith("load ball: contact is lost from t = 0.03 s on: it pulls rope up with up to 90 N")
-    assert said.endswith("lift_off: true lets it fly")
+    assert said.endswith("write lift_off: true to let it leave the line")
 
 
 @pytest.mark.parametrize(

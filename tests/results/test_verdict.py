@@ -72,7 +72,7 @@ def test_a_run_without_fault_is_completed() -> None:
 def test_more_than_a_twentieth_of_the_energy_may_not_be_missing() -> None:
     assert watched(missing(0.049)).outcome == "completed"
     found = doubt(watched(missing(0.051)))
-    assert "5.1 % of the energy turned over" in found.what
+    assert "5.1 % of the energy throughput" in found.what
     assert found.key == "run.step"
 
 
@@ -92,7 +92,7 @@ def test_an_imbalance_that_comes_when_a_load_leaves_is_laid_to_that() -> None:
         return replace(frame, contact_state=np.full(1, OFF_LINE)) if i >= 150 else frame
 
     found = doubt(watched(change))
-    assert "left its line" in found.cause
+    assert "leaves its line" in found.cause
     assert found.key == "loads.walker.travel"
 
 

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ropewalk.checkpoint import Tree
 from ropewalk.results.frame import ENERGY_FORMS, Array
 
-AUDIT = "imbalance"
+if TYPE_CHECKING:
+    from ropewalk.model import Scenario
 
+AUDIT = "imbalance"
+ROUNDING = 1e-10  # of the largest energy: the rounding errors of sums and equilibria
+_UNSTRAINED = 1e-10  # strain below which a line is without force
 
 GIVEN = ("load_work", "hold_work", "support_work", "drive_work")
 
@@ -63,3 +69,16 @@ def turnover(energy: Array, first: Array | None = None) -> Array:
     begin = energy[0] if first is None else first
     moved: Array = np.nansum(np.abs(energy[:, forms] - begin[forms]), axis=1) / 2
     return moved
+
+
+def rounding(scenario: Scenario | None, energy: Array) -> float:
+    """Return the energy residual that rounding alone may leave, J.
+
+    Args:
+        scenario: whose lines are at rest only to a strain of 1e-10.
+        energy: array (frame, form) in J, in the order of ENERGY_FORMS.
+    """
+    lines = () if scenario is None else scenario.lines.values()
+    elastic = sum((line.axial_stiffness or 0.0) * (line.length or line.distance) for line in lines)
+    largest = float(np.abs(np.nan_to_num(np.delete(energy, ENERGY_FORMS.index(AUDIT), axis=-1))).max(initial=0.0))
+    return max(ROUNDING * largest, _UNSTRAINED**2 * elastic)

@@ -40,6 +40,6 @@ def started_too_close(scenario: Scenario) -> Iterator[str]:
         if latest >= 0.0:
             remedy = f"loads.{name}.travel.from at least {stations[first - 1] - latest:.4g} m before them, or {remedy}"
         yield (
-            f"pantograph {name} starts {where} the analysed spans of {load.on}: what its start stirs up is still in "
-            f"the statistics, it takes {CALM} spans to calm down; write {remedy}"
+            f"pantograph {name} starts {where} the analysed spans of {load.on}: the statistics contain the vibration "
+            f"that its start excites, which decays within {CALM} spans; write {remedy}"
         )

@@ -58,5 +58,5 @@ class LostContactWatch:
                 assert load is not None
                 yield (
                     f"load {self._layout.contact_load[k]}: contact is lost {when}: it pulls {load.on} up with up to "
-                    f"{self._pull[k]:.4g} N, as only a wheel that holds on to it could; lift_off: true lets it fly"
+                    f"{self._pull[k]:.4g} N, which a wheel cannot do; write lift_off: true to let it leave the line"
                 )

@@ -55,5 +55,5 @@ class PushWatch:
             when, unit = ("t =", "s") if self._layout.path == "time" else ("load path", "m")
             yield (
                 f"line {line}, whose law only pulls, pushes with {push:.4g} N at {when} {path:.4g} {unit}: its "
-                "axial_damping acts in slack links, too; halve it and see whether what you look for changes"
+                "axial_damping acts in slack links, too; repeat the run with half of it and compare the results"
             )

@@ -20,6 +20,6 @@ def stiff_below(scenario: Scenario) -> Iterator[str]:
         if isinstance(load, Pantograph) and load.stiffness and load.stiffness[0] >= _STIFF:
             yield (
                 f"pantograph {name} stands on a spring of {load.stiffness[0]:.4g} N/m on the roof, the first of its "
-                "stiffness: the higher the wire is the less it presses, and its mean force is not the static one; "
-                "frames have 0 to some 200 N/m there, and the spring of the head comes last"
+                "stiffness: its contact force decreases with the height of the wire, and its mean force is not the "
+                "static one; write 0 to some 200 N/m there, as frames have, and the spring of the head last"
             )

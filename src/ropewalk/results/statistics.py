@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from ropewalk.results.audit import AUDIT, turnover
+from ropewalk.results.audit import AUDIT, rounding, turnover
+from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contact_summary import contact_summary
 from ropewalk.results.contract import doubts_of, path_name
 from ropewalk.results.exchanges import exchange_summary
@@ -341,7 +342,8 @@ def _energy(dataset: xr.Dataset) -> Summary:
     worst: Summary | None = None
     if np.isfinite(audit).any():
         at = int(np.nanargmax(audit))
-        relative = audit[at] / moved if moved > 0.0 else None
+        counts = moved > 0.0 and audit[at] > rounding(scenario_of(dataset), energy)
+        relative = audit[at] / moved if counts else None  # of rounding size: no part of anything
         worst = {"value": audit[at], "unit": "J", "relative": relative, path_name(dataset): path[at]}
     final = dict(zip(ENERGY_FORMS, energy[-1].tolist(), strict=True))
     idle = [form for form, values in zip(ENERGY_FORMS, energy.T, strict=True) if not values.any()]

@@ -51,8 +51,10 @@ class StrengthWatch:
         when, unit = ("t = ", "s") if self._layout.path == "time" else ("load path ", "m")
         for name, (path, xi, pull) in self._first.items():
             what = f"line {name} would break {xi:.4g} m from its start, at {when}{path:.4g} {unit}"
-            cause = f"it pulls with {pull:.4g} N there, and bears {self._of[name]:.4g} N; here it holds"
-            remedy = f"give it more strength or less load, or write cut: {{at: {xi:.4g} m, ...}} to see what follows"
+            cause = (
+                f"its tension of {pull:.4g} N exceeds its strength of {self._of[name]:.4g} N; the run goes on unbroken"
+            )
+            remedy = f"write more strength or less load, or cut: {{at: {xi:.4g} m, ...}} to compute the failure"
             yield Doubt(what, cause, f"lines.{name}.strength", remedy)
 
 

@@ -11,13 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.model.plausibility import implausible
-from ropewalk.results.audit import AUDIT, turnover
+from ropewalk.results.audit import ROUNDING
 from ropewalk.results.axial_restraint import AxialRestraintWatch
 from ropewalk.results.calm import started_too_close
-from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Array, Doubt, Frame, Layout, RunInfo
+from ropewalk.results.energy_balance import EnergyWatch
+from ropewalk.results.frame import OFF_LINE, Array, Doubt, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.ground import GroundWatch
 from ropewalk.results.hanging import HangingWatch
+from ropewalk.results.held_points import HeldPointWatch
 from ropewalk.results.lost_contact import LostContactWatch
 from ropewalk.results.peaks import beside, lonely, missed, sharp, too_far_apart
 from ropewalk.results.pushing import PushWatch
@@ -29,67 +31,15 @@ from ropewalk.results.sudden_wind import blows_at_once
 if TYPE_CHECKING:
     from ropewalk.model import AnyLoad, Scenario
 
-AUDITED = ENERGY_FORMS.index(AUDIT)
-IMBALANCE = 0.05  # of the energy turned over: beyond it a run is doubtful
-ROUNDING = 1e-10  # of the largest energy: what the audit cannot resolve
 VANISHING = 1e-100  # N: small motion begins with a little more than nothing
 UNBALANCED = 1e-3  # of all weights: what the support forces at rest may miss
 NOTHING = 1e-10  # of the largest tension, or of the weight of the line: a load that presses less does not press
-SLACK = 100.0  # times the speed of waves: a line is slack there
-FAST = 0.8  # of the speed of transverse waves: forces of masses are hard to resolve beyond
 _GROWING = ("pantograph",)  # loads whose forces grow from nothing
 _DECIDING = ("footsteps", "stepper", "fmu")  # loads that may do so: what they press with at first says it
 _NEVER_AT_REST = ("walker", "stepper", "fmu")  # loads that a run cannot begin at rest with
+NOTABLE = 1e-4  # of the weight of a line: a smaller peak of its tension is not reported
 _COUNTS = 0.3  # part of the largest tension of all lines, from which on the peak of a line counts
 _AT_ONCE = 0.1  # of its largest force: with what a load is set down suddenly that may grow
-
-
-class _Balance:
-    """The energy audit over the frames: how much was turned over, and how much is missing."""
-
-    def __init__(self) -> None:
-        self.cause: tuple[str, str, str] | None = None  # of the steepest growth of what is missing
-        self._first: Array | None = None
-        self._moved = self._largest = 0.0  # energy turned over, and largest of its forms, J
-        self._worst = 0.0, 0.0  # energy missing, J, and when, s
-        self._before = self._steepest = 0.0  # energy missing before, and its largest growth over a frame, J
-        self._whole = True  # whether all audits were numbers
-
-    def see(self, path: Array, energy: Array) -> int | None:
-        """Take note of frames; gives the last one since whose predecessor more than ever before has got lost.
-
-        Args:
-            path: (frame,) s.
-            energy: (frame, form) J.
-        """
-        missed = np.abs(energy[:, AUDITED])
-        if self._first is None:
-            self._first = energy[0].copy()
-        self._moved = max(self._moved, float(turnover(energy, self._first).max()))
-        self._largest = max(self._largest, float(np.abs(np.nan_to_num(np.delete(energy, AUDITED, axis=1))).max()))
-        self._whole &= bool(np.isfinite(missed).all())
-        growth, known = np.diff(missed, prepend=self._before), np.where(np.isnan(missed), -1.0, missed)
-        growth[np.isnan(growth)] = -1.0
-        worst, steepest, self._before = int(known.argmax()), int(growth.argmax()), float(missed[-1])
-        if known[worst] > self._worst[0]:
-            self._worst = float(known[worst]), float(path[worst])
-        if growth[steepest] <= self._steepest:
-            return None
-        self._steepest = float(growth[steepest])
-        return steepest
-
-    def doubts(self) -> Iterator[Doubt]:
-        """What is missing, if it is too much."""
-        if not self._whole:
-            remedy = "do not trust its energies, and check forces and deflections otherwise"
-            yield Doubt("no energy audit was kept", "none is known for this combination", "run", remedy)
-            return
-        missed, when = self._worst
-        if missed > max(IMBALANCE * self._moved, ROUNDING * self._largest):
-            share = f"{100.0 * missed / self._moved:.3g} % of" if self._moved > 0.0 else "and not"
-            what = f"{missed:.4g} J are missing at t = {when:.4g} s, {share} the energy turned over"
-            assert self.cause is not None
-            yield Doubt(what, *self.cause)
 
 
 class Watch:
@@ -104,13 +54,12 @@ class Watch:
         self.layout, self.scenario = layout, scenario
         self.loads = [name.partition(".")[0] for name in layout.contact_load]
         contacts = len(self.loads)
-        self._before: tuple[float, Array] | None = None  # path, and states of contacts, in the last frame
         self._slowness = np.array([self._slowness_of(name) for name in self.loads])  # (contact,) (kg/m)^(1/2)
         self._at_start: tuple[Array, Array] = np.zeros(0), np.zeros(0)  # states and xi of contacts in the first frame
         self._been = np.zeros(contacts, dtype=np.bool_)  # contacts that have been on their lines
-        self._fastest = np.zeros(contacts)  # speeds over those of transverse waves beside the contacts
         self._missing = 0.0, 0.0  # support forces at rest without what they carry, and that, N
-        self._balance, self._strengths = _Balance(), StrengthWatch(layout, scenario)
+        self._held_points, self._strengths = HeldPointWatch(layout, scenario), StrengthWatch(layout, scenario)
+        self._energy = EnergyWatch(layout, scenario, self._held_points)
         self._pushing = PushWatch(layout, scenario)
         self._over_ground, self._lost_contact = GroundWatch(layout, scenario), LostContactWatch(layout, scenario)
         self._hanging = HangingWatch(layout, scenario)
@@ -138,13 +87,8 @@ class Watch:
         for watch in self._ranges:
             watch.see(frames)
         self._been |= on.any(axis=0)
-        fastest = np.fmax.accumulate(np.concatenate([self._fastest[None], self._in_waves(of)]))[1:]
-        self._fastest = fastest[-1]
-        if (steepest := self._balance.see(path, of["energy"])) is not None:
-            before = (float(path[steepest - 1]), state[steepest - 1]) if steepest else self._before
-            if before is not None:
-                self._balance.cause = self._cause(before[0], before[1], frames[steepest], fastest[steepest])
-        self._before = float(path[-1]), state[-1].copy()
+        self._held_points.see(frames)
+        self._energy.see(frames, self._in_waves(of))
         pull = of["tension"]
         pull = np.where(np.isfinite(pull), pull, 0.0)
         self._tension.extend(pull.max(axis=1, initial=0.0))
@@ -164,20 +108,25 @@ class Watch:
         if self._times:
             force = np.array(self._force).reshape(len(self._instants), len(self.loads))
             run_info.doubts += [doubt for doubt in self._doubts(run_info, force) if doubt not in run_info.doubts]
-            run_info.warnings += [remark for remark in self._diagnostics(force) if remark not in run_info.warnings]
+            run_info.warnings += [
+                remark for remark in self._diagnostics(run_info, force) if remark not in run_info.warnings
+            ]
 
     def _doubts(self, run_info: RunInfo, force: Array) -> Iterator[Doubt]:
         yield from self._absent(force)
         yield from self._strengths.doubts()
         if self.layout.path == "time":
+            yield from self._held_points.doubts(force)
             if not run_info.audit and len(self._times) > 1:
-                yield from self._balance.doubts()
+                yield from self._energy.findings(run_info.step)[0]
             yield from self._single_steps(force)
         missing, carried = self._missing
         if missing > max(UNBALANCED * carried, VANISHING):
-            what = f"at rest the support forces differ by {missing:.4g} N from the {carried:.4g} N that they carry"
+            what = (
+                f"the support forces differ by {missing:.4g} N from the {carried:.4g} N that they carry in equilibrium"
+            )
             remedy = "write more elements, and check supports and lengths"
-            yield Doubt(what, "the shape that was found is not in balance", "lines", remedy)
+            yield Doubt(what, "the computed shape is not in equilibrium", "lines", remedy)
 
     def _rest(self, frame: Frame, on: NDArray[np.bool_]) -> None:
         """At rest supports carry all weights: the largest difference from that."""
@@ -188,7 +137,9 @@ class Watch:
         pressing = float(np.nansum(frame.contact_force[on, -1]))
         missing = abs(float(np.nansum(frame.reaction[:, -1])) + pressing - self.layout.weight)
         carried = abs(self.layout.weight) + float(np.nansum(np.abs(frame.contact_force[on])))
-        carried += ROUNDING / UNBALANCED * float(np.nan_to_num(np.abs(frame.reaction)).max(initial=0.0))
+        stiffest = max((line.axial_stiffness or 0.0 for line in self.scenario.lines.values()), default=0.0)
+        known = max(stiffest, float(np.nan_to_num(np.abs(frame.reaction)).max(initial=0.0)))  # N
+        carried += ROUNDING / UNBALANCED * known
         if missing > self._missing[0]:
             self._missing = missing, carried
 
@@ -209,29 +160,6 @@ class Watch:
         line = self.scenario.lines.get(load.on) if load is not None else None
         return 0.0 if line is None or line.has_bending_stiffness else float(np.sqrt(line.mass))
 
-    def _cause(self, earlier: float, state: Array, frame: Frame, fastest: Array) -> tuple[str, str, str]:
-        """What went on from frame to frame while energy was lost: the likely cause, the key to blame, the remedy."""
-        when = f"between t = {earlier:.4g} and {frame.path:.4g} s"
-        for k, name in enumerate(self.layout.contact_load):
-            left, came = state[k] != OFF_LINE, frame.contact_state[k] != OFF_LINE
-            if left != came:
-                did, end = ("left its line", "end the run before") if left else ("came onto its line", "start within")
-                remedy = f"write more elements, or {end}; the rest of the run may be fine without it"
-                return f"load {name} {did} {when}", f"loads.{self.loads[k]}.travel", remedy
-        if fastest.max(initial=0.0) > FAST:
-            k = int(fastest.argmax())
-            times = fastest[k]
-            fast = f"{times:.3g} times" if times < SLACK else "far above"  # beside slack line waves hardly travel
-            text = f"load {self.layout.contact_load[k]} goes at {fast} the speed of transverse waves"
-            return text, f"loads.{self.loads[k]}.travel.speed", "write a lower speed, or more tension or elements"
-        pull = np.nan_to_num(frame.tension)
-        if pull.size and pull.min() < -ROUNDING * np.abs(pull).max():
-            line = self.layout.link_line[int(pull.argmin())]
-            remedy = "write law: {kind: tension_only}, or more axial_damping"
-            return f"line {line} is in compression {when}", f"lines.{line}.law", remedy
-        remedy = "halve run.step: if the imbalance stays, write more elements"
-        return f"the step or the mesh is too coarse for what goes on {when}", "run.step", remedy
-
     def _absent(self, force: Array) -> Iterator[Doubt]:
         """Loads that are never on their line, or never press on it."""
         for name in dict.fromkeys(self.loads):
@@ -241,7 +169,8 @@ class Watch:
                 continue
             pressing = float(np.nan_to_num(force[:, mine]).max(initial=0.0))
             if not self._been[mine].any() and not pressing > 0.0:
-                cause, remedy = "it starts off its line, or leaves at once", "let it start on its line, or run longer"
+                cause = "its start is not on the line, or it leaves within the first output interval"
+                remedy = "write a start on the line, or a later end of the run"
                 yield Doubt(f"load {name} is never on {load.on}", cause, f"loads.{name}.travel", remedy)
             elif pressing <= NOTHING * max(*self._tension, self._ordinary(load.on)):
                 cause, key, remedy = self._weightless(name)
@@ -255,30 +184,33 @@ class Watch:
     def _weightless(self, name: str) -> tuple[str, str, str]:
         load = self.scenario.loads[name]
         if self.scenario.gravity == 0.0 and load.kind not in ("force", "stepper", "fmu"):
-            return "without gravity its mass has no weight", "gravity", "give gravity, or the weight as a force"
+            return "gravity is 0, so that its mass has no weight", "gravity", "give gravity, or the weight as a force"
         if load.kind in ("stepper", "fmu"):
-            return "the model answers with no force", f"loads.{name}", "look at what it gives"
+            return "the external model returns no force", f"loads.{name}", "check the forces that it returns"
         if load.kind == "pantograph":
-            return "its forces have hardly grown, or it lost contact", f"loads.{name}.ramp", "run longer than ramp"
+            return "its static force is still small, or it lost contact", f"loads.{name}.ramp", "run longer than ramp"
         if load.kind == "force":
             return "its force is zero", f"loads.{name}.force", "give it a force"
         key = f"loads.{name}.weight" if load.kind == "matrices" else f"loads.{name}"
-        return "it has no weight, or is in the air all the time", key, "check its weight, and where it starts"
+        return "it has no weight, or is in the air all the time", key, "check its weight and its start"
 
     def _single_steps(self, force: Array) -> Iterator[Doubt]:
         """Peaks of contact forces and tensions that stand alone: they come from one step, and not from the line."""
         for k, name in enumerate(self.layout.contact_load):
             if (i := lonely(force[:, k])) is not None:
+                at = np.array([np.interp(self._instants[i], self._times, self._energy.xi(k))])
+                if self._held_points.blamed(k, at)[0]:
+                    continue  # that has a doubt of its own
                 what = f"the contact force of load {name} is {_alone(force[:, k], i, self._instants[i])}"
-                cause = "a rigid contact strikes the line, and the force is its impulse over one step"
-                remedy = "give it a contact_stiffness, or look at impulses only"
-                yield Doubt(what, cause, f"loads.{self.loads[k]}", remedy)
+                yield Doubt(what, *_impact(self.scenario.loads.get(self.loads[k]), self.loads[k]))
         tension = np.array(self._tension)
         if (i := lonely(tension)) is not None:
             what = f"the largest tension is {_alone(tension, i, self._times[i])}"
-            yield Doubt(what, "a blow that the step does not resolve", "run.step", "write a smaller run.step and every")
+            yield Doubt(
+                what, "an impact that is shorter than the output interval", "run.every", "write a smaller run.every"
+            )
 
-    def _diagnostics(self, force: Array) -> Iterator[str]:
+    def _diagnostics(self, run_info: RunInfo, force: Array) -> Iterator[str]:
         yield from started_too_close(self.scenario)
         yield from stiff_below(self.scenario)
         yield from blows_at_once(self.scenario)
@@ -290,6 +222,8 @@ class Watch:
         yield from self._over_ground.messages()
         yield from self._lost_contact.messages()
         yield from self._hanging.messages()
+        if self.layout.path == "time" and not run_info.audit and len(self._times) > 1:
+            yield from self._energy.findings(run_info.step)[1]
         run = self.scenario.run
         if run.kind != "dynamic" or run.start.kind != "rest" or run.start.with_loads:
             return
@@ -303,15 +237,15 @@ class Watch:
             state, xi = (float(values[k]) for values in self._at_start)
             here = [x for x, line in zip(self.layout.node_xi, self.layout.node_line, strict=True) if line == on]
             if state != OFF_LINE and here and min(here) < xi < max(here):
-                rest = "to begin at rest with it write run.start: {with_loads: true}, or let it start at an end"
+                rest = "to begin in equilibrium with it write run.start: {with_loads: true}, or let it start at an end"
                 stiff = any(line.has_bending_stiffness for line in self.scenario.lines.values())
                 if stiff or load.kind in _NEVER_AT_REST:  # which begin without loads
                     rest = "let it start at an end to avoid that"
                 if load.kind in ("stepper", "fmu"):
                     rest += ", or let its force grow from zero"
                 yield (
-                    f"load {name} is set down suddenly at t = 0, {xi:.4g} m along {load.on}: what swings from that is "
-                    f"part of the answer; {rest}"
+                    f"load {name} is set down suddenly at t = 0, {xi:.4g} m along {load.on}: the results contain the "
+                    f"vibration that this excites; {rest}"
                 )
 
     def _between_instants(self) -> Iterator[str]:
@@ -320,7 +254,8 @@ class Watch:
             return
         pull, found = np.array(self._pull).reshape(len(self._times), -1), list[tuple[float, int, int]]()
         for line, values in enumerate(pull.T):
-            if (i := sharp(values)) is not None and values[i] > _COUNTS * pull.max():
+            least = max(_COUNTS * pull.max(), NOTABLE * self._ordinary(self._lines[line]))
+            if (i := sharp(values)) is not None and values[i] > least:
                 found.append((missed(values, i), i, line))
         if found:
             _, i, line = max(found)
@@ -343,6 +278,18 @@ def _falls(load: AnyLoad) -> bool:
     if load.kind != "trolley" or load.payload is None or load.payload.at is None:
         return False
     return load.mass < load.payload.mass and math.hypot(*load.payload.at) < load.payload.length
+
+
+def _impact(load: AnyLoad | None, name: str) -> tuple[str, str, str]:
+    """Cause, key and remedy of a contact force that has a peak at a single sample."""
+    parts = (load, *getattr(load, "wheels", {}).values())
+    if any(getattr(part, "contact_stiffness", None) is not None for part in parts):
+        return "an impact that is shorter than the output interval", "run.every", "write a smaller run.every"
+    cause = "a rigid contact strikes the line, and the force is its impulse over one step"
+    if any("contact_stiffness" in type(part).model_fields for part in parts if part is not None):
+        key = f"loads.{name}.wheels" if getattr(load, "wheels", None) else f"loads.{name}"
+        return cause, key, "write lift_off: true and a contact_stiffness, or evaluate impulses only"
+    return cause, f"loads.{name}", "write kind: vehicle with a contact_stiffness, or evaluate impulses only"
 
 
 def _alone(values: Array, i: int, when: float) -> str:

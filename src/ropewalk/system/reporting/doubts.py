@@ -231,8 +231,8 @@ def doubt_slack(scenario: Scenario, run_info: RunInfo, on: Sequence[str], tensio
     if scenario.gravity != 0.0:
         return
     for name, line in scenario.lines.items():
-        if line.has_bending_stiffness:
-            continue
+        if line.has_bending_stiffness or (line.length or 0.0) <= line.distance * (1.0 + _SLACK):
+            continue  # it is straight
         mine = np.array([own == name for own in on])
         if np.abs(tension[mine]).max() < _NOTHING * (line.axial_stiffness or 1.0):
             run_info.doubt(

@@ -1,0 +1,230 @@
+"""The energy residual of a run: its size compared with the energy throughput, its trend, and its cause."""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ropewalk.model.load import Rolling
+from ropewalk.results.audit import AUDIT, rounding, turnover
+from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Array, Doubt, Layout
+from ropewalk.results.frames import Frames
+from ropewalk.results.held_points import HeldPointWatch
+
+if TYPE_CHECKING:
+    from ropewalk.model import Scenario
+
+AUDITED = ENERGY_FORMS.index(AUDIT)
+NOTABLE, LARGE = 0.01, 0.05  # of the energy throughput: a residual beyond is a warning, or a doubt
+FAST = 0.8  # of the speed of transverse waves: forces of masses are hard to resolve beyond
+SLACK = 100.0  # times the speed of waves: a line is slack there
+_MOSTLY = 0.5  # part of the growth of a residual that an event must coincide with to be its cause
+_PUSHED = 1e-3  # part of the largest tension, from which on a compression counts
+_NEAR = 0.05  # part of a line next to its ends, where contact forces of bodies grow without bound
+_PEAK = 1.5  # times its median: a contact force next to an end beyond that has grown
+_ONCE = 2  # changes of a contact that enters its line and leaves it
+_PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
+
+Booleans = NDArray[np.bool_]
+Cause = tuple[str, str, str]  # cause, key and remedy of a doubt
+
+
+class EnergyWatch:
+    """Watches the energy residual, and what loads and lines do while it grows.
+
+    Args:
+        layout: of the frames.
+        scenario: what is run.
+        held: bodies that cross held points.
+    """
+
+    def __init__(self, layout: Layout, scenario: Scenario, held: HeldPointWatch) -> None:
+        self._layout, self._scenario, self._held = layout, scenario, held
+        self._loads = [name.partition(".")[0] for name in layout.contact_load]
+        self._first: Array | None = None
+        self._last: Array = np.zeros(0)  # forms in the frame before, J
+        self._rounding = 0.0  # J
+        names = "time residual throughput exchanged compression pushed speed fastest xi on force"
+        self._of = {name: array("d") for name in names.split()}
+
+    def see(self, frames: Frames, speed: Array) -> None:
+        """Take note of frames.
+
+        Args:
+            frames: the frames.
+            speed: (frame, contact) of contacts, over that of transverse waves.
+        """
+        of, energy = frames.of, frames.of["energy"]
+        if self._first is None:
+            self._first = self._last = energy[0].copy()
+        pull = np.nan_to_num(of["tension"])
+        contacts = speed.shape[1] > 0
+        self._rounding = max(self._rounding, rounding(self._scenario, energy))
+        forms = np.delete(np.concatenate([self._last[None], energy]), AUDITED, axis=1)
+        found = {
+            "time": frames.path,
+            "residual": np.abs(energy[:, AUDITED]),
+            "throughput": turnover(energy, self._first),
+            "exchanged": 0.5 * np.nansum(np.abs(np.diff(forms, axis=0)), axis=1),
+            "compression": -pull.min(axis=1, initial=0.0) / np.maximum(np.abs(pull).max(axis=1, initial=0.0), 1e-300),
+            "pushed": pull.argmin(axis=1) if pull.shape[1] else np.zeros(len(frames)),
+            "speed": speed.max(axis=1, initial=0.0),
+            "fastest": speed.argmax(axis=1) if contacts else np.zeros(len(frames)),
+            "xi": of["contact_xi"],
+            "on": of["contact_state"] != OFF_LINE,
+            "force": np.linalg.norm(of["contact_force"], axis=2),
+        }  # fmt: skip
+        for name, values in found.items():
+            self._of[name].frombytes(np.ascontiguousarray(values, dtype=np.float64).tobytes())
+        self._last = energy[-1].copy()
+
+    def xi(self, k: int) -> Array:
+        """Return the coordinates of contact `k` at the output instants, m."""
+        return np.array(self._of["xi"]).reshape(-1, len(self._loads))[:, k]
+
+    def findings(self, step: float) -> tuple[list[Doubt], list[str]]:
+        """Find a doubt, or a warning, if the residual is a notable part of the energy throughput.
+
+        Args:
+            step: s, of the run.
+        """
+        of = {name: np.array(values) for name, values in self._of.items()}
+        for name in ("xi", "on", "force"):
+            of[name] = of[name].reshape(of["time"].size, len(self._loads))
+        residual, scale = of["residual"], float(of["throughput"].max())
+        if not np.isfinite(residual).all():
+            remedy = "check forces and deflections by another calculation"
+            return [Doubt("no energy audit was kept", "it is not implemented for this combination", "run", remedy)], []
+        worst = int(residual.argmax())
+        size = float(residual[worst])
+        if size <= max(NOTABLE * scale, self._rounding):
+            return [], []
+        share = f"{_percent(size / scale)} of the energy throughput {amount(scale)}" if scale else "no throughput"
+        growing = late_growth(residual, of["exchanged"], NOTABLE * scale)
+        what = f"Energy residual {amount(size)} at t = {of['time'][worst]:.4g} s ({share})"
+        if growing > NOTABLE:
+            what += f", growing by {_percent(growing)} of the energy exchanged in the last third of the run"
+        found = Doubt(what, *self._cause(of, worst, step))
+        return ([found], []) if size > LARGE * scale or growing > LARGE else ([], [str(found)])
+
+    def _cause(self, of: dict[str, Array], worst: int, step: float) -> Cause:
+        """The event that most of the growth of the residual coincides with, the key to blame, and the remedy."""
+        growth = np.maximum(np.diff(of["residual"][: worst + 1], prepend=0.0), 0.0)
+        known = np.flatnonzero(growth > 0.0)
+        shares = np.cumsum(growth[known]) / growth[known].sum()
+        begin = int(known[np.searchsorted(shares, 0.1)])
+        end = int(known[min(np.searchsorted(shares, 0.9), known.size - 1)])
+        when = f"between t = {of['time'][max(begin - 1, 0)]:.4g} and {of['time'][end]:.4g} s"
+
+        def mostly(happens: Booleans) -> bool:
+            """Whether most of the growth is in frames in which something happens, or in the next."""
+            either = happens | np.concatenate([happens[:1], happens[:-1]])
+            return bool(growth[either[: worst + 1]].sum() > _MOSTLY * growth.sum())
+
+        for find in (self._crossing, self._near_an_end, self._coming_and_going, self._faster_than_waves, self._pushing):
+            if (cause := find(of, mostly, when)) is not None:
+                return cause
+        finer = f"run.step: {0.5 * step:.3g} s (half of its value)" if np.isfinite(step) and step > 0.0 else "run.step"
+        remedy = f"write a smaller {finer}; if the residual does not fall, write more elements"
+        return f"not identified, the residual grows {when}", "run.step", remedy
+
+    def _since(self, of: dict[str, Array]) -> float:
+        """Time from which on the residual counts, s."""
+        counts = of["residual"] > NOTABLE * float(of["throughput"].max())
+        return float(of["time"][max(int(counts.argmax()) - 1, 0)])
+
+    def _crossing(self, of: dict[str, Array], mostly: Callable[[Booleans], bool], when: str) -> Cause | None:
+        for k, name in enumerate(self._loads):
+            if mostly(self._held.blamed(k, of["xi"][:, k])):
+                load = self._scenario.loads[name]
+                text = f"load {self._layout.contact_load[k]} is located at a held point of line {load.on} {when}"
+                return text, f"loads.{name}.travel", self._held.remedy_for(k)
+        return None
+
+    def _near_an_end(self, of: dict[str, Array], mostly: Callable[[Booleans], bool], when: str) -> Cause | None:
+        """A body whose contact force grows next to an end of its line."""
+        for k, name in enumerate(self._loads):
+            load = self._scenario.loads.get(name)
+            line = None if load is None else self._scenario.lines.get(load.on)
+            if line is None or line.has_bending_stiffness or not isinstance(load, Rolling):
+                continue
+            own = self._layout.link_xi[[one == load.on for one in self._layout.link_line]]
+            xi, force = of["xi"][:, k], np.nan_to_num(of["force"][:, k])
+            pressing, length = force[force > 0.0], float(own.max() + own.min())
+            away = np.where(of["on"][:, k] > 0.0, np.minimum(xi, length - xi), np.inf)
+            if not pressing.size or not mostly((away < _NEAR * length) & (force > _PEAK * float(np.median(pressing)))):
+                continue
+            text = f"the contact force of load {self._layout.contact_load[k]} grows next to an end of {load.on} {when}"
+            earlier = f"write a larger travel.margin, such as {_NEAR * length:.3g} m, or " if hasattr(
+                getattr(load, "travel", None), "margin"
+            ) and not (load.travel.margin or 0.0) >= _NEAR * length else ""  # fmt: skip
+            return text, f"loads.{name}.travel", f"{earlier}end the run before t = {self._since(of):.4g} s"
+        return None
+
+    def _coming_and_going(self, of: dict[str, Array], mostly: Callable[[Booleans], bool], when: str) -> Cause | None:
+        for k, name in enumerate(self._loads):
+            on = of["on"][:, k] > 0.0
+            changed = np.concatenate([[False], on[1:] != on[:-1]])
+            if changed.sum() > _ONCE:
+                continue  # as a foot that steps
+            for did, remedy, happens in (
+                ("leaves its line", f"end the run before t = {self._since(of):.4g} s", changed & ~on),
+                ("enters its line", "write travel.from within the line", changed & on),
+            ):
+                if mostly(happens):
+                    return f"load {self._layout.contact_load[k]} {did} {when}", f"loads.{name}.travel", remedy
+        return None
+
+    def _faster_than_waves(self, of: dict[str, Array], mostly: Callable[[Booleans], bool], when: str) -> Cause | None:
+        fast = of["speed"] > FAST
+        if not mostly(fast):
+            return None
+        i = int(of["speed"].argmax())
+        k, times = int(of["fastest"][i]), float(of["speed"][i])
+        text = f"{times:.3g} times" if times < SLACK else "far above"  # next to slack line waves hardly move
+        cause = f"load {self._layout.contact_load[k]} moves at {text} the speed of transverse waves {when}"
+        return cause, f"loads.{self._loads[k]}.travel.speed", "write a lower speed, or more tension or elements"
+
+    def _pushing(self, of: dict[str, Array], mostly: Callable[[Booleans], bool], when: str) -> Cause | None:
+        pushed = of["compression"] > _PUSHED
+        if not mostly(pushed):
+            return None
+        name = self._layout.link_line[int(of["pushed"][int(of["compression"].argmax())])]
+        line = self._scenario.lines.get(name)
+        if line is None or line.has_bending_stiffness:
+            return None
+        remedy = "write more axial_damping" if line.law.kind in ("tension_only", "webbing") else (
+            "write law: {kind: tension_only}, or more axial_damping"
+        )  # fmt: skip
+        return f"line {name} is in compression {when}", f"lines.{name}.law", remedy
+
+
+def late_growth(residual: Array, exchanged: Array, least: float) -> float:
+    """Return the growth of a residual over the last third of a run, as a part of the energy exchanged there.
+
+    Args:
+        residual: (frame,) J.
+        exchanged: (frame,) J, half the sum of all changes of forms of energy since the frame before.
+        least: J, a growth that counts. It must go on in both halves of the third.
+    """
+    n = residual.size
+    first, middle = residual[2 * n // 3 :][: n // 6], residual[n - max(n // 6, 1) :]
+    if n < 12 or residual[-1] - residual[2 * n // 3] < least:
+        return 0.0
+    if np.median(middle) <= np.median(first) or residual[-1] < np.median(middle):
+        return 0.0
+    return float((residual[-1] - residual[2 * n // 3]) / max(exchanged[2 * n // 3 + 1 :].sum(), 1e-300))
+
+
+def amount(energy: float) -> str:
+    """Return an energy with its unit and two or three digits, as 0.92 µJ."""
+    size, prefix = next(((size, prefix) for size, prefix in _PREFIXES if energy >= 0.9 * size), (0.0, ""))
+    return f"{energy / size:.3g} {prefix}J" if size else f"{energy:.3g} J"
+
+
+def _percent(part: float) -> str:
+    return f"{100.0 * part:.2g} %" if part < 0.995 else f"{100.0 * part:.0f} %"

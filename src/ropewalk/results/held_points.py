@@ -1,0 +1,180 @@
+"""Bodies that cross, or slide at, a held point of a rope: an inner support, or the end of a joined line.
+
+The piece of rope between the body and the held point is an axial spring of stiffness EA / length. A prescribed material
+coordinate shortens it to nothing, so that the driving force oscillates with a frequency and an amplitude that the mesh
+decides. A body of 60 kg at 1 m/s on a rope with EA = 29 MN: 4 to 47 kN on links of 0.5 to 2 m, 250 N if its horizontal
+speed is prescribed. A body with a free travel that slides to and fro at a held point gains energy there, and its
+tensions differ by more than its friction bears.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ropewalk.model.joint import Joined
+from ropewalk.model.load import Rolling
+from ropewalk.model.travel import FreeTravel
+from ropewalk.results.frame import MOVES, OFF_LINE, Array, Doubt, Integers, Layout
+from ropewalk.results.frames import Frames
+
+if TYPE_CHECKING:
+    from ropewalk.model import Scenario
+    from ropewalk.model.load import AnyLoad
+
+_RESOLVED = 10  # output instants near a held point, from which on they show its peak
+_AT = 0.01  # of a link: a body so close to a held point is located at it
+_MORE = 0.1  # friction coefficient by which that of the tensions may exceed the one of a body that slides
+_TIMES = 10.0  # the typical contact force: a contact force near a held point beyond that is a peak
+_DRIVER = "travel.kind: free with travel.driver, which limits the driving force"
+_MAY_BE_FREE = ("mass", "trolley")  # whose travel may be free without another key
+_FORCES = ("hold_force", "contact_force")
+
+
+class _HeldPoint(NamedTuple):
+    """A point of a line that a support or another line holds."""
+
+    name: str
+    xi: float  # m, unstrained
+    reach: float  # m, length of a link
+
+
+class HeldPointWatch:
+    """Watches bodies for peaks of their driving force near held points, and for too much friction at them.
+
+    Args:
+        layout: of the frames.
+        scenario: what is run.
+    """
+
+    def __init__(self, layout: Layout, scenario: Scenario) -> None:
+        self._layout, self._scenario = layout, scenario
+        self._loads = [name.partition(".")[0] for name in layout.contact_load]
+        moves = scenario.run.kind == "dynamic" and scenario.run.geometry == "nonlinear"
+        self._points = {
+            k: points
+            for k, name in enumerate(self._loads)
+            if moves and (points := self._held_before(scenario.loads.get(name)))
+        }  # fmt: skip
+        self._crossed = dict[tuple[int, int], tuple[float, float]]()  # smallest and largest distance, m
+        self._peak = dict[tuple[int, int], tuple[float, float, float]]()  # driving and contact force, N, when, s
+        self._frames = dict[tuple[int, int], int]()
+        self._slid = dict[tuple[int, int], tuple[int, float, float]]()  # output instants, largest friction, when, s
+
+    def _held_before(self, load: AnyLoad | None) -> list[_HeldPoint]:
+        """Held points of the line of a body; of ropes only."""
+        line = None if load is None else self._scenario.lines.get(load.on)
+        if line is None or line.has_bending_stiffness or not isinstance(load, Rolling):
+            return []
+        reach = (line.length or line.distance) / line.elements
+        held = [_HeldPoint(f"inner support {name}", each.at, reach) for name, each in line.supports.items()]
+        for name, other in self._scenario.lines.items():
+            for end in (other.start_support, other.end_support):
+                if isinstance(end, Joined) and end.to == load.on and isinstance(end.at, float):
+                    held.append(_HeldPoint(f"joined line {name}", end.at, reach))
+        return held
+
+    def see(self, frames: Frames) -> None:
+        """Take note of frames."""
+        for k, points in self._points.items():
+            on = np.flatnonzero(frames.of["contact_state"][:, k] != OFF_LINE)
+            for p, point in enumerate(points) if on.size else ():
+                away = frames.of["contact_xi"][on, k] - point.xi
+                low, high = self._crossed.get((k, p), (np.inf, -np.inf))
+                self._crossed[k, p] = min(low, float(away.min())), max(high, float(away.max()))
+                self._see_near(frames, (k, p), on[np.abs(away) < point.reach])
+                self._see_sliding(frames, (k, p), on[np.abs(away) < _AT * point.reach])
+
+    def _see_near(self, frames: Frames, at: tuple[int, int], near: Integers) -> None:
+        drive, force = (np.linalg.norm(np.nan_to_num(frames.of[key][near, at[0]]), axis=1) for key in _FORCES)
+        self._frames[at] = self._frames.get(at, 0) + near.size
+        if near.size:
+            i = int(drive.argmax())
+            found = float(drive[i]), float(force.max()), float(frames.path[near[i]])
+            self._peak[at] = max(self._peak.get(at, found), found)
+
+    def _see_sliding(self, frames: Frames, at: tuple[int, int], there: Integers) -> None:
+        load = self._scenario.loads[self._loads[at[0]]]
+        if not there.size or not isinstance(load.travel, FreeTravel):
+            return
+        needed = np.nan_to_num(frames.of["contact_friction"][there, at[0]], posinf=0.0)
+        needed[frames.of["contact_state"][there, at[0]] != MOVES] = 0.0
+        count, i = int((needed > load.travel.friction + _MORE).sum()), int(needed.argmax())
+        before, most, when = self._slid.get(at, (0, 0.0, 0.0))
+        if needed[i] > most:
+            most, when = float(needed[i]), float(frames.path[there[i]])
+        self._slid[at] = before + count, most, when
+
+    def blamed(self, k: int, xi: Array) -> NDArray[np.bool_]:
+        """Return whether contact `k` is where a held point spoils its motion, of each of its coordinates `xi`, m."""
+        found, points = np.zeros(xi.size, dtype=np.bool_), self._points.get(k, ())
+        free = bool(points) and isinstance(self._scenario.loads[self._loads[k]].travel, FreeTravel)
+        for p, point in enumerate(points):
+            if not free or self._slid.get((k, p), (0,))[0] >= _RESOLVED:
+                found |= np.abs(xi - point.xi) < (_AT if free else 1.0) * point.reach
+        return found
+
+    def doubts(self, force: Array) -> Iterator[Doubt]:
+        """Find the loads whose driving force has a peak at a held point, or that slide at one.
+
+        Args:
+            force: (sample, contact) N, of contacts.
+        """
+        reported = set[str]()
+        for (k, p), (low, high) in self._crossed.items():
+            name = self._loads[k]
+            free = isinstance(self._scenario.loads[name].travel, FreeTravel)
+            crosses = low <= 0.0 <= high and high - low > _AT * self._points[k][p].reach
+            found = self._sliding(k, p) if free else self._crossing(k, p, force[:, k]) if crosses else None
+            if found is not None and name not in reported:
+                reported.add(name)
+                yield found
+
+    def _sliding(self, k: int, p: int) -> Doubt | None:
+        count, most, when = self._slid.get((k, p), (0, 0.0, 0.0))
+        if count < _RESOLVED:
+            return None
+        load, point = self._scenario.loads[self._loads[k]], self._points[k][p]
+        what = (
+            f"load {self._layout.contact_load[k]} slides at {point.name} of line {load.on}, xi = {point.xi:.4g} m: "
+            f"its tensions need a friction coefficient of {most:.3g} at t = {when:.4g} s (travel.friction is "
+            f"{load.travel.friction:.3g})"
+        )
+        cause = "a body that slides over a held point of a rope gains energy there"
+        return Doubt(what, cause, f"loads.{self._loads[k]}.travel", self.remedy_for(k))
+
+    def _crossing(self, k: int, p: int, force: Array) -> Doubt | None:
+        load, point = self._scenario.loads[self._loads[k]], self._points[k][p]
+        pressing = force[np.nan_to_num(force) > 0.0]
+        typical = float(np.median(pressing)) if pressing.size else 0.0
+        drive, contact, when = self._peak.get((k, p), (0.0, 0.0, 0.0))
+        shown = self._frames[k, p] >= _RESOLVED or load.travel.measured == "horizontal"
+        if drive <= typical and contact <= _TIMES * typical and shown:
+            return None
+        what = f"load {self._layout.contact_load[k]} crosses {point.name} of line {load.on} at xi = {point.xi:.4g} m"
+        if drive > typical:
+            what += (
+                f" with a driving force of {drive:.4g} N at t = {when:.4g} s (typical contact force {typical:.4g} N)"
+            )
+        cause = (
+            f"travel is prescribed as {load.travel.measured} over a point where the rope cannot move along itself, "
+            "so that the peak of the driving force depends on the mesh"
+        )
+        return Doubt(what, cause, f"loads.{self._loads[k]}.travel", self.remedy_for(k))
+
+    def remedy_for(self, k: int) -> str:
+        """Return the changes that make contact `k` right at held points, without those that its load has already."""
+        load = self._scenario.loads[self._loads[k]]
+        if isinstance(load.travel, FreeTravel):
+            return f"write travel.from at least one link, {self._points[k][0].reach:.3g} m, away from it"
+        wheels = getattr(load, "wheels", {}).values()
+        soft = any(getattr(each, "contact_stiffness", None) is not None for each in (load, *wheels))
+        free = f"write {_DRIVER}" if load.kind in _MAY_BE_FREE else ""
+        if load.travel.measured != "horizontal":
+            more = " and leave contact_stiffness out" if soft else ""
+            remedy = f"write travel.measured: horizontal (travel.from becomes a horizontal distance){more}"
+            return f"{remedy}, or {free}" if free else remedy
+        return "leave contact_stiffness out" if soft else free or f"give lines.{load.on} a bending_stiffness"
