@@ -73,6 +73,8 @@ def _run(rng: Random, kind: str, s: Drawn) -> Tree:
     if kind == "equilibrium":
         return {"kind": kind}
     run: Tree = {"kind": "linear" if kind == "linear" else "dynamic", "until": s.until, "every": s.until / 8.0}
+    if run["kind"] == "dynamic":
+        run["step"] = s.until / 200.0
     if kind == "linearised":
         run["geometry"] = "linearised"
     if kind in ("dynamic", "linearised") and rng.random() < 0.25:
@@ -227,6 +229,8 @@ def _add_loads(rng: Random, tree: Tree, s: Drawn, kind: str, number: int) -> Non
     """Put loads on the structure, of which the second runs 0.17 lengths ahead of the first, alike in its travel."""
     weights = LOADS["dynamic" if kind == "linearised" else kind]
     travel, base = choose(rng, TRAVEL), s.length * rng.uniform(0.15, 0.35)
+    if tree["run"]["kind"] == "quasistatic" and travel == "standing":
+        travel = "material"
     for k, name in enumerate(("first", "second")[:number]):
         sort = choose(rng, weights)
         if s.family == "overhead" and kind in ("dynamic", "linearised") and rng.random() < 0.6:

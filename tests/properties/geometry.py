@@ -252,9 +252,9 @@ def scales(tree: Tree) -> bool:
 
 def with_steps(tree: Tree) -> Tree:
     """Return the tree with the keys of accuracy that have a dimension, as far as the run has them."""
-    keys = {"step": tree["run"].get("until", 0.0) / 400.0, "accuracy": 1e-3} if tree["run"]["kind"] == "dynamic" else {}
-    for own in (keys, {k: v for k, v in keys.items() if k == "step"}, {}):
-        found = {**tree, "run": {**own, **tree["run"]}}
+    keys = {"accuracy": 1e-3, "sample": tree["run"].get("until", 0.0) / 100.0}
+    for names in (("accuracy", "sample"), ("sample",), ("accuracy",)) if tree["run"]["kind"] == "dynamic" else ():
+        found = {**tree, "run": {**tree["run"], **{name: keys[name] for name in names}}}
         try:
             read(found)
         except Exception:  # noqa: S112 - the engine of the scenario has no such key

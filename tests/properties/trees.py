@@ -17,7 +17,7 @@ UNITS = {
     "mass": "kg", "wheel_mass": "kg", "inertia": "kg*m^2", "tension": "N", "force": "N", "forces": "N",
     "axial_stiffness": "N", "axial_damping": "N*s", "bending_stiffness": "N*m^2", "foundation": "N/m^2",
     "stiffness": "N/m", "damping": "N*s/m", "drag": "1/s", "air_drag": "kg/m", "viscous": "N*s/m", "drive": "N",
-    "speed": "m/s", "time": "s", "until": "s", "every": "s", "step": "s", "accuracy": "m", "weight": "N",
+    "speed": "m/s", "time": "s", "until": "s", "every": "s", "step": "s", "sample": "s", "accuracy": "m", "weight": "N",
     "frequency": "1/s", "step_length": "m", "air_density": "kg/m^3",
 }  # fmt: skip
 """SI units of keys; `mass` and `tension` differ by block, and `value` of a table has the unit of the table."""
@@ -130,7 +130,7 @@ def moved(tree: Tree, by: tuple[float, float, float]) -> Tree:
 
 
 def refined(tree: Tree, factor: int = 2) -> Tree:
-    """Return the tree with a finer mesh, and half the given step."""
+    """Return the tree with a finer mesh, and finer steps and output (on which steps depend)."""
     found = copied(tree)
     for line in found.get("lines", {}).values():
         line["elements"] = factor * line.get("elements", 100)
@@ -140,7 +140,7 @@ def refined(tree: Tree, factor: int = 2) -> Tree:
         net["cells"] = [factor * n for n in net["cells"]]
     for wires in found.get("overhead_lines", {}).values():
         wires["element"] = wires["element"] / factor
-    for key in ("step", "accuracy"):
+    for key in ("every", "step", "accuracy"):
         if key in found["run"]:
             found["run"][key] /= factor
     return found

@@ -6,7 +6,7 @@ from random import Random
 
 import numpy as np
 
-from .compare import MODEST, Sides
+from .compare import MODEST, PLACES, Sides, comparable
 from .geometry import with_fields
 from .running import DONE, Fields, length_of, run
 from .trees import Tree, copied
@@ -19,7 +19,7 @@ APART = 1e-7
 
 
 def _forces(tree: Tree) -> list[str]:
-    return [name for name, load in tree["loads"].items() if load["kind"] == "force"]
+    return [name for name, load in tree["loads"].items() if load["kind"] == "force" and "contact" not in load]
 
 
 def has_force(tree: Tree) -> bool:
@@ -44,7 +44,7 @@ def halves(tree: Tree, rng: Random) -> Sides:
         one["contact_force", name] = fields["contact_force", name] + fields["contact_force", "twin"]
         return one
 
-    return Sides(run(tree), with_fields(run(found), back), tolerance=1e-4)
+    return Sides(run(tree), with_fields(run(found), back), tolerance=1e-4, only=comparable(tree))
 
 
 # -- Joined lines ------------------------------------------------------------------------------------------------
@@ -94,14 +94,14 @@ def joined_lines(tree: Tree, rng: Random) -> Sides | None:
         one["reaction", f"{name}.end"] = fields["reaction", "rest.end"]
         return one
 
-    return Sides(left, with_fields(right, back))
+    return Sides(left, with_fields(right, back), only=comparable(tree))
 
 
 # -- Nothing added -----------------------------------------------------------------------------------------------
 
 
 def _far_line(tree: Tree, **more: float) -> Tree:
-    line = {"start": [300.0, 40.0], "end": [310.0, 40.0], "length": 10.2, "mass": 1.0, "axial_stiffness": 1e6,
+    line = {"start": [300.0, 40.0], "end": [310.0, 40.0], "tension": 5e3, "mass": 1.0, "axial_stiffness": 1e6,
             "elements": 10, **more}  # fmt: skip
     return {**tree, "lines": {**tree.get("lines", {}), "far": line}}
 
@@ -153,7 +153,8 @@ def addition(tree: Tree, rng: Random) -> tuple[str, Tree]:
 
 def nothing_added(tree: Tree, rng: Random) -> Sides:
     """Add something that has no effect."""
-    return Sides(run(tree), run(addition(tree, rng)[1]))
+    name, more = addition(tree, rng)
+    return Sides(run(tree), run(more), tolerance=1e-4, only=comparable(tree), note=name)
 
 
 # -- Bodies ------------------------------------------------------------------------------------------------------
@@ -182,12 +183,11 @@ def other_body(tree: Tree, rng: Random) -> Sides:
     found["loads"][name] = own | {key: load[key] for key in ("on", "travel")}
 
     def back(fields: Fields) -> Fields:
-        mapped = {(v, owners.get(o.removeprefix(name), "?") if o.startswith(name) else o): f
-                  for (v, o), f in fields.items()}  # fmt: skip
-        return {(v, name + o if o in owners.values() else o): f for (v, o), f in mapped.items()}
+        mine = {name + new: name + old for new, old in owners.items()}
+        return {(variable, mine.get(owner, owner)): values for (variable, owner), values in fields.items()}
 
-    return Sides(run(tree), with_fields(run(found), back), tolerance=1e-5 if exact else MODEST,
-                 only=("contact_position", "contact_force", "body_position", "position"))  # fmt: skip
+    right = with_fields(run(found), back)
+    return Sides(run(tree), right, tolerance=1e-5 if exact else MODEST, only=PLACES)
 
 
 def _as_vehicle(load: Tree) -> tuple[Tree, dict[str, str]]:
