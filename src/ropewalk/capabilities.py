@@ -26,6 +26,10 @@ from ropewalk.system import capabilities as system
 from ropewalk.wires import capabilities as wires
 
 
+_ROUNDING = 1e-9
+"""Of the distance between the ends of a line: a length within it is that distance, wherever the line is located."""
+
+
 @dataclass(frozen=True)
 class Engine:
     """What computes scenarios, with what it supports in motion, and at rest or quasi-static."""
@@ -117,7 +121,7 @@ def _of_beams(parts: Parts) -> Engine:
         return SYSTEM
     refused, slack = _refused(SYSTEM, parts), False
     for line in parts.lines.values():
-        slack = slack or (line is not None and (line.length or 0.0) > line.distance)
+        slack = slack or (line is not None and (line.length or 0.0) > line.distance * (1.0 + _ROUNDING))
     run, better = parts.run, False
     if isinstance(run, Dynamic):
         better = slack or (parts.is_supported and not _is_linearised(parts) and run.axial_inertia == 1.0)

@@ -1,0 +1,131 @@
+"""Differences between two outcomes, by variable, relative to the size of the variable."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from .running import CRASH, DONE, OWNERS, WITH_AXIS, Fields, Outcome
+from .trees import Tree
+
+ROUNDING = 1e-5
+"""Relative difference that rounding makes: equilibria end at a residual of 1e-9, motions repeat it for 1e3 steps."""
+
+SMALLEST_SAG = 1e-4
+"""Of the extent of the structure: displacements are not compared with less."""
+
+QUIET = 1e-6
+"""Of all energy, and of the largest tension times the sag: less than this is no motion."""
+
+EVENTS = 1
+"""Instants at which a contact may be on the line on one side only: rounding decides about one that comes just then."""
+
+MODEST = 0.02
+"""Relative difference between two models that agree in the limit (slow, small, another kind of body)."""
+
+
+PLACES = ("position", "contact_position", "body_position")
+STATIC = tuple(name for name in OWNERS if name != "energy")
+
+
+def comparable(tree: Tree) -> tuple[str, ...]:
+    """Return the variables that two discretisations of one thing agree on in the limit.
+
+    In motion, forces ring at the frequencies of the mesh after each sudden start, and do not converge at an instant.
+    """
+    return PLACES if tree["run"]["kind"] == "dynamic" else STATIC
+
+
+@dataclass(frozen=True)
+class Sides:
+    """Two outcomes that mechanics relates, the second one mapped back to the first."""
+
+    left: Outcome
+    right: Outcome
+    tolerance: float = ROUNDING
+    only: tuple[str, ...] = tuple(OWNERS)
+    scales: dict[str, float] | None = None  # by variable, instead of those of the left side
+    note: str = ""  # added to the difference
+    path: bool = True  # whether both have the same instants, or positions of the load
+
+
+@dataclass(frozen=True)
+class Difference:
+    """The largest relative difference of two sides: 0 where they agree, infinite where they are no like things."""
+
+    size: float
+    what: str = ""
+
+    @property
+    def is_infinite(self) -> bool:
+        """Whether a finer mesh cannot help."""
+        return not np.isfinite(self.size)
+
+
+def difference(sides: Sides) -> Difference:
+    """Return the largest difference, relative to the size of its variable and in units of the tolerance.
+
+    Two refusals agree, and so do two runs that stop; one of either kind on its own side does not, nor does a crash.
+    """
+    left, right = sides.left, sides.right
+    if CRASH in (left.kind, right.kind):
+        return Difference(np.inf, f"crash: {left.text if left.kind == CRASH else right.text}")
+    if left.kind != right.kind:
+        note = f" ({sides.note})" if sides.note else ""
+        return Difference(np.inf, f"{left.kind} and {right.kind}: {left.text or right.text}{note}")
+    if left.kind != DONE or (left.doubts and right.doubts):
+        return Difference(0.0, left.kind)
+    found = max(_differences(sides), key=lambda found: found.size, default=Difference(0.0))
+    return Difference(found.size, f"{found.what} ({sides.note})" if sides.note else found.what)
+
+
+def _differences(sides: Sides) -> Iterable[Difference]:
+    left, right = sides.left.fields, sides.right.fields
+    names = [key for key in left if key[0] in sides.only or (sides.path and key[0] in ("time", "load_path"))]
+    scales = {**sizes(left), **(sides.scales or {})}
+    for key in names:
+        label = " ".join(part for part in key if part)
+        if key not in right:
+            yield Difference(np.inf, f"{label} is missing")
+            continue
+        a, b = left[key], right[key]
+        if a.shape != b.shape:
+            yield Difference(np.inf, f"{label} has {a.shape} and {b.shape} values")
+        elif int((np.isnan(a) != np.isnan(b)).reshape(len(a), -1).any(axis=1).sum()) > EVENTS:
+            yield Difference(np.inf, f"{label} is NaN on one side")
+        elif np.isfinite(a - b).any():
+            if key[0] == "energy":  # its zero moves with the scenario
+                a, b = a - a[0], b - b[0]
+            apart = float(np.nanmax(np.abs(a - b))) / scales[key[0]]
+            yield Difference(apart / sides.tolerance, f"{label} differs by {apart:.2g} of {scales[key[0]]:.3g}")
+
+
+def sizes(fields: Fields) -> dict[str, float]:
+    """Return the size of each variable: the largest distance of lines from their chords, the largest force, ..."""
+    found: dict[str, float] = {}
+    for (name, _), values in fields.items():
+        if name in (*OWNERS, "time", "load_path") and values.size and np.isfinite(values).any():
+            own = np.nanmax(np.abs(values - values[0])) + QUIET * np.nanmax(np.abs(values)) if name == "energy" else None
+            found[name] = max(found.get(name, 0.0), float(np.nanmax(np.abs(values)) if own is None else own))
+    places = [values for (name, _), values in fields.items() if name == "position" and values.ndim == 3]
+    extent = max((float(np.ptp(values, axis=(0, 1)).max()) for values in places), default=1.0)
+    sag = max([SMALLEST_SAG * extent, *map(_sag, places)])
+    force = max((found.get(name, 0.0) for name in ("contact_force", "reaction")), default=0.0)
+    found |= {name: sag for name in WITH_AXIS if name.endswith("position")}
+    tension = max(found.get("tension", 0.0), force)
+    found |= {"reaction": force, "tension": tension}
+    found["contact_force"] = max(found.get("contact_force", 0.0), QUIET * tension)
+    found["energy"] = max(found.get("energy", 0.0), QUIET * tension * sag)
+    return {name: size or 1.0 for name, size in found.items()}
+
+
+def _sag(values: np.ndarray) -> float:
+    """Return the largest distance of nodes from the line through the first and the last one of the first frame."""
+    first = values[0, 0]
+    chord = values[0, -1] - first
+    chord = chord / max(float(np.linalg.norm(chord)), 1e-12)
+    off = values - first
+    off = off - (off @ chord)[..., None] * chord
+    return float(np.linalg.norm(off, axis=-1).max())

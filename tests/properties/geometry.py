@@ -1,0 +1,341 @@
+"""Relations of geometry and dimension: mirror, reversal, translation, rotation, units, scaling, names and order."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from random import Random
+from typing import Any
+
+import numpy as np
+
+from .compare import Sides
+from .running import WITH_AXIS, Fields, Outcome, length_of, read, run
+from .trees import (
+    Tree,
+    copied,
+    dimension,
+    get,
+    in_space,
+    loads_on,
+    mirrored,
+    moved,
+    numbers,
+    put,
+    turned,
+    unit_of,
+)
+
+Map = Callable[[Fields], Fields]
+
+
+def with_fields(outcome: Outcome, change: Map) -> Outcome:
+    """Return an outcome with its fields changed, if it has any."""
+    fields = change(outcome.fields) if outcome.fields else {}
+    return Outcome(outcome.kind, fields, outcome.text, outcome.doubts)
+
+
+def transformed(fields: Fields, matrix: Any, origin: Any = (0.0, 0.0, 0.0)) -> Fields:
+    """Return fields with vectors multiplied by a matrix, and places translated before that."""
+    found = dict(fields)
+    for key, values in fields.items():
+        if key[0] in WITH_AXIS:
+            own = values - np.asarray(origin) if key[0].endswith("position") else values
+            found[key] = own @ np.asarray(matrix).T
+    return found
+
+
+# -- Mirror, translation, rotation -------------------------------------------------------------------------------
+
+
+def in_plan(tree: Tree) -> bool:
+    """Whether the scenario is of lines and nets that may lie anywhere."""
+    return not tree.get("overhead_lines")
+
+
+def is_horizontal(tree: Tree) -> bool:
+    """Whether a load measures its way along x, for which lines run towards +x."""
+    return any(load.get("travel", {}).get("measured") == "horizontal" for load in tree["loads"].values())
+
+
+def mirrors(tree: Tree) -> bool:
+    """Whether the scenario may run towards -x."""
+    return in_plan(tree) and not is_horizontal(tree)
+
+
+def mirror(tree: Tree, rng: Random) -> Sides:
+    """Change x to -x."""
+    back = np.diag([-1.0, 1.0, 1.0])
+    return Sides(run(tree), with_fields(run(mirrored(tree)), lambda f: transformed(f, back)))
+
+
+def translation(tree: Tree, rng: Random) -> Sides:
+    """Move all supports, joints and sheaves."""
+    by = (rng.uniform(-90, 90), rng.uniform(-50, 50) if _is_spatial(tree) else 0.0, rng.uniform(-30, 30))
+    return Sides(run(tree), with_fields(run(moved(tree, by)), lambda f: transformed(f, np.eye(3), by)))
+
+
+def _is_spatial(tree: Tree) -> bool:
+    return bool(tree.get("nets")) or any(len(line["start"]) == 3 for line in tree["lines"].values())
+
+
+def turns(tree: Tree) -> bool:
+    """Whether the scenario can be rotated about the vertical: two stiffnesses leave out the third direction."""
+    stiffness = [values for path, values in _lists(tree) if path[-1] in ("stiffness", "damping")]
+    frictionless = any(load.get("contact") == "frictionless" for load in tree["loads"].values())
+    return in_plan(tree) and not is_horizontal(tree) and not stiffness and not frictionless
+
+
+def _lists(tree: Tree) -> list[tuple[Any, Any]]:
+    found = {path[:-1]: get(tree, path[:-1]) for path, _ in numbers(tree) if path[0] == "lines"}
+    return [(path, values) for path, values in found.items() if isinstance(values, list)]
+
+
+def rotation(tree: Tree, rng: Random) -> Sides:
+    """Rotate everything about the vertical; a scenario in the plane leaves it."""
+    angle = rng.choice([rng.uniform(0.2, 1.3), math.pi / 2, math.pi, rng.uniform(-3.0, 3.0)])
+    c, s = math.cos(angle), math.sin(angle)
+    back = [[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]
+    return Sides(run(in_space(tree)), with_fields(run(turned(tree, angle)), lambda f: transformed(f, back)))
+
+
+def plane_in_space(tree: Tree, rng: Random) -> Sides:
+    """Write the third component of every vector, 0."""
+    return Sides(run(tree), run(in_space(tree)))
+
+
+# -- Reversal ----------------------------------------------------------------------------------------------------
+
+
+def reverses(tree: Tree) -> bool:
+    """Whether lines can be written from the other end: arc lengths are counted from one of them."""
+    measures = {load.get("travel", {}).get("measured") for load in tree["loads"].values()}
+    standing = any(load["kind"] == "axles" and load["travel"]["speed"] == 0 for load in tree["loads"].values())
+    return bool(tree.get("lines")) and not measures & {"arc", "slip", "horizontal"} and not standing
+
+
+def reversal(tree: Tree, rng: Random) -> Sides:
+    """Write one line from its end to its start, and send its loads the other way."""
+    name = rng.choice(sorted(tree["lines"]))
+    return Sides(run(tree), with_fields(run(reversed_line(tree, name)), lambda f: _line_back(f, tree, name)))
+
+
+def reversed_line(tree: Tree, name: str) -> Tree:
+    """Return the tree with a line that runs from its end to its start."""
+    found, length = copied(tree), length_of(tree, name)
+    line = found["lines"][name]
+    line["start"], line["end"] = line["end"], line["start"]
+    ends = line.pop("start_support", None), line.pop("end_support", None)
+    line |= {key: value for key, value in zip(("end_support", "start_support"), ends, strict=True) if value}
+    for support in line.get("supports", {}).values():
+        support["at"] = length - support["at"]
+    for part in line.get("segments", {}).values():
+        part["from"], part["to"] = length - part["to"], length - part["from"]
+    for other in found["lines"].values():
+        for end in ("start_support", "end_support"):
+            if other.get(end, {}).get("to") == name and "at" in other[end]:
+                other[end]["at"] = length - other[end]["at"]
+    for load in loads_on(found, name).values():
+        reverse_load(load, length)
+    return found
+
+
+def reverse_load(load: Tree, length: float) -> None:
+    """Let a load begin as far from the other end, and move the other way."""
+    if load["kind"] == "footsteps":
+        load |= {"from": length - load["from"], "towards": "start" if load.get("towards") != "start" else "end"}
+        return
+    travel = load["travel"]
+    travel["from"], speed = length - travel["from"], travel["speed"]
+    travel["speed"] = {**speed, "value": [-v for v in speed["value"]]} if isinstance(speed, dict) else -speed
+    for part in ("bodies", "wheels", "springs"):
+        for own in load.get(part, {}).values():
+            if "at" in own:
+                own["at"] = -own["at"]
+
+
+def _line_back(fields: Fields, tree: Tree, name: str) -> Fields:
+    found = dict(fields)
+    for variable in ("position", "tension"):
+        found[variable, name] = fields[variable, name][:, ::-1]
+    for a, b in (("start", "end"), ("end", "start")):
+        found.pop(("reaction", f"{name}.{a}"), None)
+        if ("reaction", f"{name}.{b}") in fields:
+            found["reaction", f"{name}.{a}"] = fields["reaction", f"{name}.{b}"]
+    for row, hangers in tree.get("hangers", {}).items():
+        count = hangers["count"]
+        for k in range(1, count + 1) if hangers["to"] == name else ():
+            for variable in ("position", "tension"):
+                found[variable, f"{row}-{k}"] = fields[variable, f"{row}-{count + 1 - k}"]
+    return found
+
+
+def other_way(tree: Tree, rng: Random) -> Sides:
+    """Mirror, and write all lines from their other ends, so that lines run towards +x as before."""
+    found = tree
+    for name in tree["lines"]:
+        found = reversed_line(found, name)
+    for load in found["loads"].values():
+        if load.get("travel", {}).get("measured") == "horizontal":
+            line = tree["lines"][load["on"]]
+            load["travel"]["from"] += abs(line["end"][0] - line["start"][0]) - length_of(tree, load["on"])
+
+    def back(fields: Fields) -> Fields:
+        for name in tree["lines"]:
+            fields = _line_back(fields, tree, name)
+        return transformed(fields, np.diag([-1.0, 1.0, 1.0]))
+
+    return Sides(run(tree), with_fields(run(mirrored(found)), back))
+
+
+def goes_other_way(tree: Tree) -> bool:
+    """Whether all lines can be written from their other ends in the mirrored scenario."""
+    measures = {load.get("travel", {}).get("measured") for load in tree["loads"].values()}
+    return reverses({**tree, "loads": {}}) and is_horizontal(tree) and measures <= {None, "horizontal", "material"}
+
+
+def has_overhead_line(tree: Tree) -> bool:
+    """Whether loads travel on an overhead line."""
+    return bool(tree.get("overhead_lines")) and bool(tree["loads"])
+
+
+def overhead_from_the_other_end(tree: Tree, rng: Random) -> Sides:
+    """Let loads pass a symmetric overhead line from its other end."""
+    spans = tree["overhead_lines"]["section"]["spans"]
+    length, found = spans["count"] * spans["length"], copied(tree)
+    for load in found["loads"].values():
+        reverse_load(load, length)
+
+    def back(fields: Fields) -> Fields:
+        flipped = {key: v[:, ::-1] if key[0] in ("position", "tension") else v for key, v in fields.items()}
+        return transformed(flipped, np.diag([-1.0, 1.0, 1.0]), (length, 0.0, 0.0))
+
+    only = ("position", "tension", "contact_position", "contact_force", "body_position")
+    return Sides(run(tree), with_fields(run(found), back), only=only)
+
+
+# -- Units and scaling -------------------------------------------------------------------------------------------
+
+_ALTERNATIVES: dict[str, list[tuple[str, float]]] = {
+    "m": [("cm", 0.01), ("ft", 0.3048), ("km", 1e3)], "kg": [("t", 1e3), ("lb", 0.45359237)],
+    "s": [("ms", 1e-3), ("min", 60.0)], "N": [("kN", 1e3), ("lbf", 4.4482216152605)], "1": [("1", 1.0)],
+}  # fmt: skip
+
+
+def _in_other_units(value: float, unit: str, rng: Random) -> str:
+    factor, text = 1.0, ""
+    for sign, name, power in re.findall(r"(^|[*/])(\w+)(?:\^(\d))?", unit):
+        symbol, size = rng.choice(_ALTERNATIVES[name])
+        factor *= size ** ((-1 if sign == "/" else 1) * int(power or 1))
+        text += sign + symbol + (f"^{power}" if power else "")
+    return f"{value / factor!r} {text}"
+
+
+def _is_matrix(tree: Tree, path: Any) -> bool:
+    return path[0] == "loads" and get(tree, path[:2])["kind"] == "matrices" and path[2] in ("mass", "stiffness", "damping")
+
+
+def units(tree: Tree, rng: Random) -> Sides:
+    """Write every number with another unit."""
+    found = copied(tree)
+    for path, value in list(numbers(tree)):
+        if (unit := unit_of(path)) and not _is_matrix(tree, path) and path[0] != "nets":
+            put(found, path, _in_other_units(value, unit, rng))
+    return Sides(run(tree), run(found))
+
+
+def scales(tree: Tree) -> bool:
+    """Whether every number with a dimension is written down: overhead lines and pantographs have defaults."""
+    return in_plan(tree) and not tree.get("nets")
+
+
+def with_steps(tree: Tree) -> Tree:
+    """Return the tree with the keys of accuracy that have a dimension, as far as the run has them."""
+    keys = {"accuracy": 1e-3, "sample": tree["run"].get("until", 0.0) / 100.0}
+    for names in (("accuracy", "sample"), ("sample",), ("accuracy",)) if tree["run"]["kind"] == "dynamic" else ():
+        found = {**tree, "run": {**tree["run"], **{name: keys[name] for name in names}}}
+        try:
+            read(found)
+        except Exception:  # noqa: S112 - the engine of the scenario has no such key
+            continue
+        return found
+    return tree
+
+
+def scaling(tree: Tree, rng: Random) -> Sides:
+    """Multiply all lengths, masses and times by factors of their own."""
+    base = with_steps(tree)
+    factors = tuple(rng.choice([1.0, rng.uniform(0.2, 5.0)]) for _ in range(3))
+
+    def factor(unit: str) -> float:
+        return math.prod(f**n for f, n in zip(factors, dimension(unit), strict=True))
+
+    found = copied(base)
+    for path, value in list(numbers(base)):
+        if unit := unit_of(path):
+            put(found, path, value * factor(unit))
+    of = {"tension": "N", "reaction": "N", "contact_force": "N", "energy": "N*m", "time": "s"}
+
+    def back(fields: Fields) -> Fields:
+        return {key: values / factor(of.get(key[0], "m")) for key, values in fields.items()}
+
+    return Sides(run(base), with_fields(run(found), back))
+
+
+# -- Names and order ---------------------------------------------------------------------------------------------
+
+_NAMED = ("lines", "loads", "joints", "nets", "hangers", "overhead_lines", "supports", "sheaves", "segments", "bodies",
+          "wheels", "springs")  # fmt: skip
+_REFERENCES = ("on", "to", "from", "between", "coordinate", "coordinates")
+
+
+def names_and_order(tree: Tree, rng: Random) -> Sides:
+    """Rename everything that has a name, and write keys, lines, loads, wheels and coordinates in another order."""
+    names: dict[str, str] = {}
+    _collect(tree, names, rng)
+    right = run(_rewritten(tree, names, rng))
+    original = {new: old for old, new in names.items()}
+
+    def back(fields: Fields) -> Fields:
+        return {(variable, _owner_back(owner, original)): values for (variable, owner), values in fields.items()}
+
+    return Sides(run(tree), with_fields(right, back))
+
+
+def _collect(tree: Any, names: dict[str, str], rng: Random) -> None:
+    for key, value in tree.items() if isinstance(tree, dict) else ():
+        if key in _NAMED and isinstance(value, dict):
+            for name in value:
+                names.setdefault(name, f"{rng.choice('azmQ')}{len(names)}{rng.choice('xb')}")
+        if key == "coordinates":
+            names |= {name: f"{rng.choice('azmQ')}{len(names) + k}q" for k, name in enumerate(value)}
+        _collect(value, names, rng)
+
+
+def _rewritten(tree: Any, names: dict[str, str], rng: Random, key: str = "") -> Any:
+    if isinstance(tree, dict):
+        if tree.get("kind") == "matrices":
+            tree = _permuted(tree, rng)
+        items = list(tree.items())
+        rng.shuffle(items)
+        named = key in _NAMED
+        return {names[k] if named else k: _rewritten(v, names, rng, "" if named else k) for k, v in items}
+    if isinstance(tree, list):
+        return [_rewritten(value, names, rng, key) for value in tree]
+    return names.get(tree, tree) if key in _REFERENCES else tree
+
+
+def _permuted(load: Tree, rng: Random) -> Tree:
+    order = rng.sample(range(len(load["coordinates"])), len(load["coordinates"]))
+    found = {**load, "coordinates": [load["coordinates"][i] for i in order]}
+    for key in ("mass", "stiffness", "damping"):
+        found[key] = [[load[key][i][j] for j in order] for i in order]
+    if "weight" in load:
+        found["weight"] = [load["weight"][i] for i in order]
+    return found
+
+
+def _owner_back(owner: str, original: dict[str, str]) -> str:
+    parts = [part.rsplit("-", 1) for part in owner.split(".")]
+    return ".".join("-".join([original.get(part[0], part[0]), *part[1:]]) for part in parts)

@@ -1,0 +1,240 @@
+"""Relations between models: superposition, reciprocity, limits that are slow or small, energy and equilibrium."""
+
+from __future__ import annotations
+
+from random import Random
+
+import numpy as np
+
+from .compare import MODEST, Sides
+from .geometry import with_fields
+from .running import DONE, Fields, Outcome, length_of, run
+from .trees import Tree, copied
+
+GIVEN = ("force", "axles", "footsteps")
+VERTICAL = {"kind": "force", "contact": "clamped"}
+
+
+def _with_loads(tree: Tree, loads: Tree) -> Tree:
+    return {**tree, "loads": loads}
+
+
+def _is_linear(tree: Tree) -> bool:
+    """Whether the run is linear in its forces: droppers of moving overhead lines slacken."""
+    linearised = tree["run"].get("geometry") == "linearised" and not tree.get("overhead_lines")
+    return (tree["run"]["kind"] == "linear" or linearised) and "start" not in tree["run"]
+
+
+def superposes(tree: Tree) -> bool:
+    """Whether responses add up: of given forces in linear kinds."""
+    loads = tree["loads"].values()
+    clamped = all(load.get("contact", "clamped") == "clamped" for load in loads)
+    measured = all(load.get("travel", {}).get("measured", "material") == "material" for load in loads)
+    return _is_linear(tree) and bool(loads) and clamped and measured and all(load["kind"] in GIVEN for load in loads)
+
+
+def superposition(tree: Tree, rng: Random) -> Sides:
+    """Add the responses to the loads one by one; of one load, take that to twice its size."""
+    none, loads = run(_with_loads(tree, {})), tree["loads"]
+    if len(loads) == 1:
+        (name, load), = loads.items()
+        twice = copied(load)
+        for key in ("force", "forces"):
+            if key in twice:
+                twice[key] = [2.0 * value for value in twice[key]]
+        if "mass" in twice:
+            twice["mass"] *= 2.0
+        outcomes, whole = [run(tree), run(tree)], run(_with_loads(tree, {name: twice}))
+    else:
+        outcomes, whole = [run(_with_loads(tree, {name: load})) for name, load in loads.items()], run(tree)
+    kinds = {one.kind for one in (none, *outcomes)}
+    if kinds != {DONE}:
+        right = next(one for one in (none, *outcomes) if one.kind != DONE)
+    else:
+        right = Outcome(DONE, _sum(none.fields, [one.fields for one in outcomes]))
+    only = ("position", "reaction")
+    return Sides(whole, right, only=only, scales=_motion(whole.fields, none.fields))
+
+
+def _sum(none: Fields, parts: list[Fields]) -> Fields:
+    return {key: base + sum(part[key] - base for part in parts) if key[0] in ("position", "reaction") else base
+            for key, base in none.items()}  # fmt: skip
+
+
+def _motion(fields: Fields, none: Fields) -> dict[str, float]:
+    """The largest displacement by the loads, as the size of positions."""
+    own = [np.abs(values - none[key]).max() for key, values in fields.items() if key[0] == "position" and key in none]
+    return {"position": float(max(own, default=1.0)) or 1.0}
+
+
+def reciprocates(tree: Tree) -> bool:
+    """Whether a line moves linearly."""
+    line = tree.get("lines", {}).get("rope")
+    return _is_linear(tree) and line is not None
+
+
+def reciprocity(tree: Tree, rng: Random) -> Sides:
+    """Exchange the places of a vertical force and of the deflection that is looked at."""
+    line, length = tree["lines"]["rope"], length_of(tree, "rope")
+    count = line["elements"]
+    a, b = (count * k // 8 for k in rng.sample(range(2, 7), 2))
+    size = 1e-3 * (line.get("tension") or 1e3 * line["mass"])
+    none = run(_with_loads(tree, {}))
+
+    def response(node: int) -> Outcome:
+        force = [0.0] * (len(line["start"]) - 1) + [-size]
+        load = {"kind": "force", "on": "rope", "force": force, "travel": {"speed": 0.0, "from": node * length / count}}
+        return run(_with_loads(tree, {"force": load}))
+
+    def seen(outcome: Outcome, node: int) -> Outcome:
+        if outcome.kind != DONE or none.kind != DONE:
+            return outcome
+        own = outcome.fields["position", "rope"][:, node, 2] - none.fields["position", "rope"][:, node, 2]
+        return Outcome(DONE, {("deflection", ""): own}, doubts=outcome.doubts)
+
+    left, right = seen(response(a), b), seen(response(b), a)
+    size = float(np.abs(left.fields.get(("deflection", ""), np.zeros(1))).max()) or 1.0
+    return Sides(left, right, only=("deflection",), scales={"deflection": size}, tolerance=1e-4, path=False)
+
+
+# -- Limits ------------------------------------------------------------------------------------------------------
+
+
+def moves_slowly(tree: Tree) -> bool:
+    """Whether a force alone travels on lines that stand still."""
+    shaken = any(line.get(end, {}).get("kind") == "moving" for line in tree.get("lines", {}).values()
+                 for end in ("start_support", "end_support"))  # fmt: skip
+    loads = list(tree["loads"].values())
+    plain = all(load["kind"] == "force" and load["travel"].get("measured", "material") == "material" for load in loads)
+    refuse = all(load.get("travel", {}).get("at_end", "refuse") == "refuse" for load in loads)
+    geometry = tree["run"].get("geometry", "nonlinear") == "nonlinear"
+    return tree["run"]["kind"] == "dynamic" and geometry and len(loads) == 1 and plain and refuse and not shaken
+
+
+def slow_motion(tree: Tree, rng: Random) -> Sides:
+    """Let a load move slowly from equilibrium: its motion is a row of equilibria."""
+    found = copied(tree)
+    (load,) = found["loads"].values()
+    run_keys = found["run"]
+    surface = bool(tree.get("nets"))
+    until = run_keys["until"] * (1.0 if surface else 2.0)
+    load["travel"] |= {"speed": 0.005 * (3.0 if surface else 20.0) / until}
+    slow = {**found, "run": {**run_keys, "until": until, "every": until / 8, "start": {"with_loads": True}}}
+    still = {**found, "run": {"kind": "quasistatic", "positions": 2}}
+    still["loads"] = {name: {**own, "travel": {**own["travel"], "at_end": "stay"}} for name, own in found["loads"].items()}
+    place = load["travel"]["from"] + load["travel"]["speed"] * until
+    still = _at(found, [place])
+    last = with_fields(run(slow), lambda f: {key: values[-1:] for key, values in f.items()})
+    only = ("position", "tension", "reaction", "contact_position")
+    return Sides(run(still), last, tolerance=MODEST, only=only, path=False)
+
+
+def _at(tree: Tree, places: list[float]) -> Tree:
+    """The equilibrium with loads at places."""
+    found = copied(tree)
+    found["run"] = {"kind": "equilibrium"}
+    for load, place in zip(found["loads"].values(), places, strict=True):
+        load["travel"]["from"] = place
+    return found
+
+
+def is_quasistatic(tree: Tree) -> bool:
+    """Whether loads travel at one speed in a quasi-static run."""
+    loads = tree["loads"].values()
+    plain = all(isinstance(load.get("travel", {}).get("speed"), float) for load in loads)
+    measured = all(load["travel"].get("measured", "material") == "material" for load in loads) if plain else False
+    stays = any(load["travel"].get("at_end") in ("stay", "leave") for load in loads) if plain else False
+    axles = any(load["kind"] == "axles" for load in loads)
+    return tree["run"]["kind"] == "quasistatic" and plain and measured and not stays and not axles
+
+
+def equilibria(tree: Tree, rng: Random) -> Sides | None:
+    """Compare a position of a quasi-static run with the equilibrium of the loads there."""
+    slowly = run(tree)
+    if slowly.kind != DONE:
+        return None
+    frame = rng.choice([0, 1, 2])
+    places = [float(slowly.fields["contact_xi", name][frame]) for name in tree["loads"]]
+    if tree.get("nets") or not np.isfinite(places).all():
+        return None
+    left = with_fields(slowly, lambda f: {key: v[frame : frame + 1] for key, v in f.items()})
+    return Sides(left, run(_at(tree, places)), path=False)
+
+
+def is_small(tree: Tree) -> bool:
+    """Whether forces travel on straight, level, plain lines."""
+    lines = list(tree.get("lines", {}).values())
+    if len(lines) != 1 or tree["run"]["kind"] != "dynamic" or "start" in tree["run"] or not tree["loads"]:
+        return False
+    level = lines[0]["start"][-1] == lines[0]["end"][-1]
+    straight = "tension" in lines[0] or "foundation" in lines[0] or lines[0]["mass"] > 500
+    free = not {"start_support", "end_support", "supports", "sheaves"} & set(lines[0])
+    plain = all(load["kind"] == "force" and load.get("contact", "clamped") == "clamped" for load in tree["loads"].values())
+    measured = all(load.get("travel", {}).get("measured", "material") == "material" for load in tree["loads"].values())
+    return level and straight and free and plain and measured
+
+
+def small_amplitude(tree: Tree, rng: Random) -> Sides:
+    """Let small vertical forces act without gravity: the linear theory is the limit."""
+    found = {**copied(tree), "gravity": 0.0}
+    for load in found["loads"].values():
+        load["force"] = [0.0] * (len(load["force"]) - 1) + [1e-3 * load["force"][-1]]
+    (line,) = found["lines"].values()
+    line.pop("axial_damping", None)
+    keys = {key: found["run"][key] for key in ("until", "every")}
+    left, right = run(found), run({**found, "run": {"kind": "linear", **keys}})
+
+    def height(fields: Fields) -> Fields:
+        return {key: values * [0.0, 0.0, 1.0] if key[0] == "position" else values for key, values in fields.items()}
+
+    left, right = with_fields(left, height), with_fields(right, height)
+    moved = [np.ptp(values) for key, values in left.fields.items() if key[0] == "position"]
+    scale = {"position": float(max(moved, default=1.0)) or 1.0}
+    return Sides(left, right, tolerance=MODEST, only=("position",), scales=scale)
+
+
+# -- Balance -----------------------------------------------------------------------------------------------------
+
+
+def has_energy(tree: Tree) -> bool:
+    """Whether a run keeps an energy balance."""
+    return tree["run"]["kind"] == "dynamic"
+
+
+def energy(tree: Tree, rng: Random) -> Sides | None:
+    """Compare the energy balance with zero."""
+    outcome = run(tree)
+    if outcome.kind != DONE:
+        return None
+    forms = {key: values for key, values in outcome.fields.items() if key[0] == "energy"}
+    moved = max(float(np.ptp(values)) for key, values in forms.items() if key[1] != "imbalance")
+    total = max(float(np.abs(values).max()) for values in forms.values())
+    key = "energy", "imbalance"
+    left, right = Outcome(DONE, {key: forms[key]}, doubts=outcome.doubts), Outcome(DONE, {key: 0.0 * forms[key]})
+    size = max(moved, 1e-5 * total, 1e-6)
+    return Sides(left, Outcome(DONE, right.fields, doubts=outcome.doubts), MODEST, scales={"energy": size}, path=False)
+
+
+def is_static(tree: Tree) -> bool:
+    """Whether loads and weights are borne by supports, at rest."""
+    lines = tree.get("lines", {}).values()
+    free = not any({"foundation", "segments"} & set(line) for line in lines)
+    moving = any(load["kind"] not in ("force", "mass") for load in tree["loads"].values())
+    guided = any(line.get(end, {}).get("mass") for line in lines for end in ("start_support", "end_support"))
+    plain = not tree.get("joints") and not tree.get("hangers") and not moving and not guided
+    return tree["run"]["kind"] in ("equilibrium", "quasistatic") and bool(lines) and free and plain
+
+
+def support_forces(tree: Tree, rng: Random) -> Sides | None:
+    """Compare support forces at rest with weights and given forces."""
+    outcome = run(tree)
+    if outcome.kind != DONE:
+        return None
+    fields = outcome.fields
+    borne = sum(values for (name, _), values in fields.items() if name == "reaction")
+    applied = sum((np.nan_to_num(v) for (name, _), v in fields.items() if name == "contact_force"), start=0.0 * borne)
+    weight = tree["gravity"] * sum(line["mass"] * length_of(tree, name) for name, line in tree["lines"].items())
+    right = Outcome(DONE, {("reaction", "sum"): np.array([0.0, 0.0, weight]) - applied})
+    size = max(float(np.abs(values).max()) for (name, _), values in fields.items() if name in ("reaction", "tension"))
+    left = Outcome(DONE, {("reaction", "sum"): borne}, doubts=outcome.doubts)
+    return Sides(left, right, tolerance=1e-4, scales={"reaction": size or 1.0}, path=False)

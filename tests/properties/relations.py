@@ -1,0 +1,75 @@
+"""The relations, with their weights."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from random import Random
+
+from . import geometry, physics, tools, wording
+from .compare import Difference, Sides, difference
+from .trees import Tree, refined
+
+SHRINKS = 0.7
+"""A difference is one of the mesh if a mesh of half the size leaves less than this part of it."""
+
+
+@dataclass(frozen=True)
+class Relation:
+    """What mechanics guarantees of two scenarios, one made from the other."""
+
+    name: str
+    weight: float
+    applies: Callable[[Tree], bool]
+    sides: Callable[[Tree, Random], Sides | None]  # None: it turns out not to apply
+
+    def violation(self, tree: Tree, seed: str) -> Difference | None:
+        """Return the difference of both sides, if it is more than rounding and does not shrink with mesh and step.
+
+        None where the relation does not apply.
+        """
+        found = self.compared(tree, seed)
+        if found is None or found.size <= 1.0 or found.is_infinite:
+            return found
+        for factor in (2, 4):
+            finer = self.compared(refined(tree, factor), seed)
+            if finer is None or finer.size <= max(1.0, SHRINKS ** (factor // 2) * found.size):
+                return Difference(0.0, "shrinks with the mesh")
+            if finer.is_infinite or finer.size > found.size:
+                break
+        return found
+
+    def compared(self, tree: Tree, seed: str) -> Difference | None:
+        """Return the difference of both sides in units of the tolerance."""
+        sides = self.sides(tree, Random(seed))
+        return None if sides is None else difference(sides)
+
+
+RELATIONS = (
+    Relation("mirror", 3, geometry.mirrors, geometry.mirror),
+    Relation("reversal of a line", 3, geometry.reverses, geometry.reversal),
+    Relation("mirror and reversal", 2, geometry.goes_other_way, geometry.other_way),
+    Relation("translation", 2, geometry.in_plan, geometry.translation),
+    Relation("rotation about the vertical", 3, geometry.turns, geometry.rotation),
+    Relation("plane and space", 1, geometry.turns, geometry.plane_in_space),
+    Relation("overhead line from the other end", 4, geometry.has_overhead_line, geometry.overhead_from_the_other_end),
+    Relation("units", 2, tools.always, geometry.units),
+    Relation("scaling", 2, geometry.scales, geometry.scaling),
+    Relation("names and order", 3, tools.always, geometry.names_and_order),
+    Relation("two halves", 2, wording.has_force, wording.halves),
+    Relation("joined lines", 3, wording.splits, wording.joined_lines),
+    Relation("nothing added", 3, tools.always, wording.nothing_added),
+    Relation("the same body", 3, wording.has_body, wording.other_body),
+    Relation("superposition", 4, physics.superposes, physics.superposition),
+    Relation("reciprocity", 2, physics.reciprocates, physics.reciprocity),
+    Relation("slow motion", 2, physics.moves_slowly, physics.slow_motion),
+    Relation("equilibria", 3, physics.is_quasistatic, physics.equilibria),
+    Relation("small amplitude", 4, physics.is_small, physics.small_amplitude),
+    Relation("energy", 1, physics.has_energy, physics.energy),
+    Relation("support forces", 2, physics.is_static, physics.support_forces),
+    Relation("resumed", 2, tools.is_motion, tools.resumed),
+    Relation("output interval", 2, tools.has_instants, tools.more_output),
+    Relation("command line", 1, tools.always, tools.command_line),
+    Relation("sweep of one", 1, tools.always, tools.sweep_of_one),
+)
+BY_NAME = {relation.name: relation for relation in RELATIONS}
