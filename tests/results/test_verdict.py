@@ -105,11 +105,11 @@ def test_an_imbalance_above_the_wave_speed_is_laid_to_the_speed() -> None:
     assert found.key == "loads.walker.travel.speed"
 
 
-def test_an_imbalance_in_compression_is_laid_to_the_law() -> None:
+def test_an_imbalance_in_compression_is_laid_to_the_damping() -> None:
     def change(i: int, frame: Frame) -> Frame:
         return replace(missing(0.2)(i, frame), tension=frame.tension - 1e4 * (i >= 99))
 
-    assert doubt(watched(change)).key == "lines.rope.law"
+    assert doubt(watched(change)).key == "lines.rope.axial_damping"
 
 
 def test_an_audit_without_numbers_is_doubtful_unless_it_is_said_why() -> None:
@@ -286,8 +286,8 @@ def test_a_load_that_is_set_down_at_once_is_remarked() -> None:
     run_info = _runs(load)
     assert run_info.outcome == "completed"
     assert any("set down suddenly" in remark for remark in run_info.warnings)
-    assert not _runs(load, start={"with_loads": True}).warnings
-    assert not _runs({**load, "travel": {"speed": 10.0}}).warnings
+    for other in (_runs(load, start={"with_loads": True}), _runs({**load, "travel": {"speed": 10.0}})):
+        assert not any("set down suddenly" in remark for remark in other.warnings)
 
 
 def test_a_payload_that_falls_into_its_slack_rope_is_not_remarked() -> None:

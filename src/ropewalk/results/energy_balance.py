@@ -26,7 +26,7 @@ _MOSTLY = 0.5  # part of the growth of a residual that an event must coincide wi
 _PUSHED = 1e-3  # part of the largest tension, from which on a compression counts
 _NEAR = 0.05  # part of a line next to its ends, where contact forces of bodies grow without bound
 _PEAK = 1.5  # times its median: a contact force next to an end beyond that has grown
-_ONCE = 2  # changes of a contact that enters its line and leaves it
+_ONCE = 2  # changes of a contact that enters its line once and leaves it once
 _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 
 Booleans = NDArray[np.bool_]
@@ -45,6 +45,7 @@ class EnergyWatch:
     def __init__(self, layout: Layout, scenario: Scenario, held: HeldPointWatch) -> None:
         self._layout, self._scenario, self._held = layout, scenario, held
         self._loads = [name.partition(".")[0] for name in layout.contact_load]
+        self._bodies = np.array([isinstance(scenario.loads.get(name), Rolling) for name in self._loads], dtype=np.bool_)
         self._first: Array | None = None
         self._last: Array = np.zeros(0)  # forms in the frame before, J
         self._rounding = 0.0  # J
@@ -63,6 +64,7 @@ class EnergyWatch:
             self._first = self._last = energy[0].copy()
         pull = np.nan_to_num(of["tension"])
         contacts = speed.shape[1] > 0
+        speed = np.where((speed > SLACK) & ~self._bodies, 0.0, speed)  # without mass nothing grows on a slack line
         self._rounding = max(self._rounding, rounding(self._scenario, energy))
         forms = np.delete(np.concatenate([self._last[None], energy]), AUDITED, axis=1)
         found = {
@@ -125,7 +127,7 @@ class EnergyWatch:
             either = happens | np.concatenate([happens[:1], happens[:-1]])
             return bool(growth[either[: worst + 1]].sum() > _MOSTLY * growth.sum())
 
-        for find in (self._crossing, self._near_an_end, self._coming_and_going, self._faster_than_waves, self._pushing):
+        for find in (self._crossing, self._near_an_end, self._leaving, self._faster_than_waves, self._pushing):
             if (cause := find(of, mostly, when)) is not None:
                 return cause
         finer = f"run.step: {0.5 * step:.3g} s (half of its value)" if np.isfinite(step) and step > 0.0 else "run.step"
@@ -155,28 +157,28 @@ class EnergyWatch:
             own = self._layout.link_xi[[one == load.on for one in self._layout.link_line]]
             xi, force = of["xi"][:, k], np.nan_to_num(of["force"][:, k])
             pressing, length = force[force > 0.0], float(own.max() + own.min())
-            away = np.where(of["on"][:, k] > 0.0, np.minimum(xi, length - xi), np.inf)
-            if not pressing.size or not mostly((away < _NEAR * length) & (force > _PEAK * float(np.median(pressing)))):
+            away = np.where(of["on"][:, k] > 0.0, np.minimum(xi, length - xi), length)
+            approaches = np.diff(away, prepend=away[0]) < 0.0
+            reach, travel = _NEAR * length, load.travel
+            typical = float(np.median(pressing)) if pressing.size else np.inf
+            if not mostly(approaches & (away < reach) & (force > _PEAK * typical)):
                 continue
             text = f"the contact force of load {self._layout.contact_load[k]} grows next to an end of {load.on} {when}"
-            earlier = f"write a larger travel.margin, such as {_NEAR * length:.3g} m, or " if hasattr(
-                getattr(load, "travel", None), "margin"
-            ) and not (load.travel.margin or 0.0) >= _NEAR * length else ""  # fmt: skip
-            return text, f"loads.{name}.travel", f"{earlier}end the run before t = {self._since(of):.4g} s"
+            remedy = f"end the run before t = {self._since(of):.4g} s"
+            if "margin" in type(travel).model_fields and (travel.margin or 0.0) < reach < away[0]:
+                remedy = f"write a larger travel.margin, such as {reach:.3g} m, or {remedy}"
+            return text, f"loads.{name}.travel", remedy
         return None
 
-    def _coming_and_going(self, of: dict[str, Array], mostly: Callable[[Booleans], bool], when: str) -> Cause | None:
+    def _leaving(self, of: dict[str, Array], mostly: Callable[[Booleans], bool], when: str) -> Cause | None:
         for k, name in enumerate(self._loads):
             on = of["on"][:, k] > 0.0
             changed = np.concatenate([[False], on[1:] != on[:-1]])
             if changed.sum() > _ONCE:
                 continue  # as a foot that steps
-            for did, remedy, happens in (
-                ("leaves its line", f"end the run before t = {self._since(of):.4g} s", changed & ~on),
-                ("enters its line", "write travel.from within the line", changed & on),
-            ):
-                if mostly(happens):
-                    return f"load {self._layout.contact_load[k]} {did} {when}", f"loads.{name}.travel", remedy
+            if mostly(changed & ~on):
+                text = f"load {self._layout.contact_load[k]} leaves its line {when}"
+                return text, f"loads.{name}.travel", f"end the run before t = {self._since(of):.4g} s"
         return None
 
     def _faster_than_waves(self, of: dict[str, Array], mostly: Callable[[Booleans], bool], when: str) -> Cause | None:
@@ -185,9 +187,11 @@ class EnergyWatch:
             return None
         i = int(of["speed"].argmax())
         k, times = int(of["fastest"][i]), float(of["speed"][i])
-        text = f"{times:.3g} times" if times < SLACK else "far above"  # next to slack line waves hardly move
-        cause = f"load {self._layout.contact_load[k]} moves at {text} the speed of transverse waves {when}"
-        return cause, f"loads.{self._loads[k]}.travel.speed", "write a lower speed, or more tension or elements"
+        name, key = self._layout.contact_load[k], f"loads.{self._loads[k]}.travel.speed"
+        if times > SLACK:
+            return f"the line is slack at load {name} {when}", key, "write a lower speed"
+        cause = f"load {name} moves at {times:.3g} times the speed of transverse waves {when}"
+        return cause, key, "write a lower speed, or more tension"
 
     def _pushing(self, of: dict[str, Array], mostly: Callable[[Booleans], bool], when: str) -> Cause | None:
         pushed = of["compression"] > _PUSHED
@@ -197,10 +201,8 @@ class EnergyWatch:
         line = self._scenario.lines.get(name)
         if line is None or line.has_bending_stiffness:
             return None
-        remedy = "write more axial_damping" if line.law.kind in ("tension_only", "webbing") else (
-            "write law: {kind: tension_only}, or more axial_damping"
-        )  # fmt: skip
-        return f"line {name} is in compression {when}", f"lines.{name}.law", remedy
+        remedy = f"write more axial_damping (now {line.axial_damping:.3g} N*s), or more elements"
+        return f"line {name} is in compression {when}", f"lines.{name}.axial_damping", remedy
 
 
 def late_growth(residual: Array, exchanged: Array, least: float) -> float:
