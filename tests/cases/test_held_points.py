@@ -1,4 +1,4 @@
-"""Bodies over inner supports and joined lines of a rope: a doubt names the wrong driving force and a remedy that helps."""
+"""Bodies over inner supports and joined lines of a rope: a doubt says that the driving force is wrong."""
 
 from __future__ import annotations
 

@@ -164,8 +164,9 @@ class EnergyWatch:
             if not mostly(approaches & (away < reach) & (force > _PEAK * typical)):
                 continue
             text = f"the contact force of load {self._layout.contact_load[k]} grows next to an end of {load.on} {when}"
-            remedy = f"end the run before t = {self._since(of):.4g} s"
-            if "margin" in type(travel).model_fields and (travel.margin or 0.0) < reach < away[0]:
+            remedy, last = f"end the run before t = {self._since(of):.4g} s", float(xi[away < reach][-1])
+            begins = float(abs(xi[0] - (length if last > reach else 0.0)))  # m from the end that it comes to
+            if "margin" in type(travel).model_fields and (travel.margin or 0.0) < reach < begins:
                 remedy = f"write a larger travel.margin, such as {reach:.3g} m, or {remedy}"
             return text, f"loads.{name}.travel", remedy
         return None
