@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     from ropewalk.model.load import AnyLoad
 
 _RESOLVED = 10  # output instants near a held point, from which on they show its peak
+_BOTH = 3  # output instants with friction that is too large, in each direction: a body that crosses has one only
+_CLOSE = 0.1  # of a link: a body with a free travel crosses a held point there
+_CLEARLY = 3.0  # times the typical contact forces of a load: a peak of a driving force with a horizontal speed
 _AT = 0.01  # of a link: a body so close to a held point is located at it
 _MORE = 0.1  # friction coefficient by which that of the tensions may exceed the one of a body that slides
 _TIMES = 10.0  # the typical contact force: a contact force near a held point beyond that is a peak
@@ -62,7 +65,7 @@ class HeldPointWatch:
         self._crossed = dict[tuple[int, int], tuple[float, float]]()  # smallest and largest distance, m
         self._peak = dict[tuple[int, int], tuple[float, float, float]]()  # driving and contact force, N, when, s
         self._frames = dict[tuple[int, int], int]()
-        self._slid = dict[tuple[int, int], tuple[int, float, float]]()  # output instants, largest friction, when, s
+        self._slid = dict[tuple[int, int], tuple[int, int, float, float]]()  # forwards, backwards, friction, when, s
 
     def _held_before(self, load: AnyLoad | None) -> list[_HeldPoint]:
         """Held points of the line of a body; of ropes only."""
@@ -102,19 +105,28 @@ class HeldPointWatch:
             return
         needed = np.nan_to_num(frames.of["contact_friction"][there, at[0]], posinf=0.0)
         needed[frames.of["contact_state"][there, at[0]] != MOVES] = 0.0
-        count, i = int((needed > load.travel.friction + _MORE).sum()), int(needed.argmax())
-        before, most, when = self._slid.get(at, (0, 0.0, 0.0))
+        speed, i = frames.of["contact_speed"][there, at[0]], int(needed.argmax())
+        large = needed > load.travel.friction + _MORE
+        ahead, back, most, when = self._slid.get(at, (0, 0, 0.0, 0.0))
         if needed[i] > most:
             most, when = float(needed[i]), float(frames.path[there[i]])
-        self._slid[at] = before + count, most, when
+        self._slid[at] = (
+            ahead + int((large & (speed > 0.0)).sum()),
+            back + int((large & (speed < 0.0)).sum()),
+            most,
+            when,
+        )
+
+    def _slides(self, at: tuple[int, int]) -> bool:
+        """Whether a body slides to and fro at a held point with more friction than it has."""
+        return min(self._slid.get(at, (0, 0))[:2]) >= _BOTH
 
     def blamed(self, k: int, xi: Array) -> NDArray[np.bool_]:
         """Return whether contact `k` is where a held point spoils its motion, of each of its coordinates `xi`, m."""
         found, points = np.zeros(xi.size, dtype=np.bool_), self._points.get(k, ())
         free = bool(points) and isinstance(self._scenario.loads[self._loads[k]].travel, FreeTravel)
-        for p, point in enumerate(points):
-            if not free or self._slid.get((k, p), (0,))[0] >= _RESOLVED:
-                found |= np.abs(xi - point.xi) < (_AT if free else 1.0) * point.reach
+        for point in points:
+            found |= np.abs(xi - point.xi) < (_CLOSE if free else 1.0) * point.reach
         return found
 
     def doubts(self, force: Array) -> Iterator[Doubt]:
@@ -128,15 +140,15 @@ class HeldPointWatch:
             name = self._loads[k]
             free = isinstance(self._scenario.loads[name].travel, FreeTravel)
             crosses = low <= 0.0 <= high and high - low > _AT * self._points[k][p].reach
-            found = self._sliding(k, p) if free else self._crossing(k, p, force[:, k]) if crosses else None
+            found = self._sliding(k, p) if free else self._crossing(k, p, force) if crosses else None
             if found is not None and name not in reported:
                 reported.add(name)
                 yield found
 
     def _sliding(self, k: int, p: int) -> Doubt | None:
-        count, most, when = self._slid.get((k, p), (0, 0.0, 0.0))
-        if count < _RESOLVED:
+        if not self._slides((k, p)):
             return None
+        most, when = self._slid[k, p][2:]
         load, point = self._scenario.loads[self._loads[k]], self._points[k][p]
         what = (
             f"load {self._layout.contact_load[k]} slides at {point.name} of line {load.on}, xi = {point.xi:.4g} m: "
@@ -148,11 +160,13 @@ class HeldPointWatch:
 
     def _crossing(self, k: int, p: int, force: Array) -> Doubt | None:
         load, point = self._scenario.loads[self._loads[k]], self._points[k][p]
-        pressing = force[np.nan_to_num(force) > 0.0]
-        typical = float(np.median(pressing)) if pressing.size else 0.0
+        typical, whole = _typical(force[:, k]), sum(
+            _typical(force[:, j]) for j, name in enumerate(self._loads) if name == self._loads[k]
+        )  # fmt: skip
         drive, contact, when = self._peak.get((k, p), (0.0, 0.0, 0.0))
-        shown = self._frames[k, p] >= _RESOLVED or load.travel.measured == "horizontal"
-        if drive <= typical and contact <= _TIMES * typical and shown:
+        horizontal = load.travel.measured == "horizontal"
+        peaks = drive > (_CLEARLY * whole if horizontal else typical) or contact > _TIMES * whole
+        if not peaks and (horizontal or self._frames[k, p] >= _RESOLVED):
             return None
         what = f"load {self._layout.contact_load[k]} crosses {point.name} of line {load.on} at xi = {point.xi:.4g} m"
         if drive > typical:
@@ -169,7 +183,9 @@ class HeldPointWatch:
         """Return the changes that make contact `k` right at held points, without those that its load has already."""
         load = self._scenario.loads[self._loads[k]]
         if isinstance(load.travel, FreeTravel):
-            return f"write travel.from at least one link, {self._points[k][0].reach:.3g} m, away from it"
+            if any(self._slides((k, p)) for p in range(len(self._points[k]))):
+                return f"write travel.from at least one link, {self._points[k][0].reach:.3g} m, away from it"
+            return f"write more elements for line {load.on} (lines.{load.on}.elements)"
         wheels = getattr(load, "wheels", {}).values()
         soft = any(getattr(each, "contact_stiffness", None) is not None for each in (load, *wheels))
         free = f"write {_DRIVER}" if load.kind in _MAY_BE_FREE else ""
@@ -178,3 +194,9 @@ class HeldPointWatch:
             remedy = f"write travel.measured: horizontal (travel.from becomes a horizontal distance){more}"
             return f"{remedy}, or {free}" if free else remedy
         return "leave contact_stiffness out" if soft else free or f"give lines.{load.on} a bending_stiffness"
+
+
+def _typical(force: Array) -> float:
+    """Return the median of the contact forces of a contact while it presses, N."""
+    pressing = force[np.nan_to_num(force) > 0.0]
+    return float(np.median(pressing)) if pressing.size else 0.0
