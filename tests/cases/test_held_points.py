@@ -95,6 +95,22 @@ def test_the_remedy_of_that_helps(structure: str, load: dict[str, Any], travel: 
     assert "Energy residual" not in result.attrs["warnings"]
 
 
+@pytest.mark.parametrize(
+    "support",
+    [{"kind": "elastic", "stiffness": 1e6}, {"kind": "guided", "along": [1, 0]},
+     {"kind": "moving", "displacement": [0, 0]}],
+    ids=["elastic", "guided", "moving"],
+)  # fmt: skip
+def test_it_is_so_at_other_supports_and_beyond_other_loads(support: dict[str, Any]) -> None:
+    rope = ROPE | {"supports": {"pier": {"at": 50.15, **support}}}
+    far = {**MASS, "on": "rope", "travel": {"speed": 1.0, "from": 40.0}}
+    run = {"kind": "dynamic", "until": 0.6, "every": 2e-3, "start": {"with_loads": True}}
+    for travel, names in ((TRAVEL, ["near"]), (HORIZONTAL, [])):
+        loads = {"far": far, "near": {**MASS, "on": "rope", "travel": travel}}
+        result = simulate(Scenario.model_validate({"lines": {"rope": rope}, "loads": loads, "run": run}))
+        assert [text.split()[1] for text in doubts(result) if "crosses inner support pier" in text] == names
+
+
 @pytest.mark.parametrize("structure", ["clamp", "hanger"])
 def test_a_bending_stiffness_helps_too(structure: str) -> None:
     result = over(structure, {**MASS, "travel": TRAVEL}, bending_stiffness=10.0)
@@ -157,6 +173,39 @@ def test_a_body_that_slides_at_a_held_point_is_doubtful_and_one_next_to_it_is_no
     assert "travel.friction is 0.15" in doubts(at)[0]
     assert "write travel.from at least one link, 1 m, away from it" in doubts(at)[0]
     assert (beside.attrs["outcome"], residual(beside) < 1e-4) == ("completed", True)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        "loads.ring={kind: mass, on: main, mass: 85 kg, travel: {kind: free, from: 18.868 m, friction: 0.15}}",
+        "loads.ring.travel.friction=0", "loads.ring.travel.from=18.869 m",
+    ],
+)  # fmt: skip
+def test_it_is_so_for_other_bodies_and_without_friction(change: str) -> None:
+    assert "load ring slides at joined line stay" in ring("run.until=3 s", change).attrs["doubts"]
+
+
+@pytest.mark.parametrize("change", ["loads.ring.travel.friction=0.6", "run.start={with_loads: true}"])
+def test_a_body_that_its_friction_holds_raises_no_doubt(change: str) -> None:
+    assert ring("run.until=3 s", change).attrs["outcome"] == "completed"
+
+
+def test_a_free_body_that_crosses_a_joint_of_a_coarse_line_is_named_and_elements_help() -> None:
+    stay = {
+        "start": [50, -20], "end": [50, 0], "end_support": HANGER["end_support"], "length": 20.3, "mass": 0.5,
+        "axial_stiffness": 20e6, "elements": 4,
+    }  # fmt: skip
+    found = list[xr.Dataset]()
+    for elements in (50, 400):
+        lines = {"rope": ROPE | {"elements": elements}, "stay": stay}
+        run = {"kind": "dynamic", "until": 0.5, "every": 1e-3, "start": {"with_loads": True}}
+        loads = {"robot": MASS | {"on": "rope", "travel": DRIVER}}
+        found.append(simulate(Scenario.model_validate({"lines": lines, "loads": loads, "run": run})))
+    coarse, fine = found
+    assert "load robot is located at a held point of line rope" in coarse.attrs["doubts"]
+    assert "write more elements for line rope (lines.rope.elements)" in coarse.attrs["doubts"]
+    assert (fine.attrs["outcome"], "Energy residual" in fine.attrs["warnings"]) == ("completed", False)
 
 
 @pytest.mark.xfail(strict=True, reason="one engine, stage 3")

@@ -184,10 +184,13 @@ def test_a_tension_that_comes_from_one_step_is_doubtful() -> None:
 def test_a_peak_of_tension_that_instants_are_too_far_apart_for_is_remarked() -> None:
     """A sine that is squared, of which a part may be missed: the remark names what is beside the peak."""
 
-    def swung(instants: float) -> Change:
-        return lambda i, frame: replace(frame, tension=frame.tension * (1.0 + 4.0 * np.sin(np.pi * i / instants) ** 2))
+    def swung(instants: float, part: float = 1.0) -> Change:
+        return lambda i, frame: replace(
+            frame, tension=part * frame.tension * (1.0 + 4.0 * np.sin(np.pi * i / instants) ** 2)
+        )
 
     assert not any("largest tension" in said for said in watched(swung(30.0)).warnings)
+    assert not any("largest tension" in said for said in watched(swung(6.0, 1e-6)).warnings)  # mN of a line of 196 N
     (said,) = [said for said in watched(swung(6.0)).warnings if "largest tension" in said]
     assert "write a smaller run.every" in said
 

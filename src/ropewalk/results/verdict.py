@@ -118,8 +118,10 @@ class Watch:
             what = (
                 f"the support forces differ by {missing:.4g} N from the {carried:.4g} N that they carry in equilibrium"
             )
-            remedy = "write more elements, and check supports and lengths"
-            yield Doubt(what, "the computed shape is not in equilibrium", "lines", remedy)
+            cause = "not identified, the computed shape is not in equilibrium"
+            yield Doubt(
+                what, cause, "lines", "check the support forces by another calculation, and write more elements"
+            )
 
     def _rest(self, frame: Frame, on: NDArray[np.bool_]) -> None:
         """At rest supports carry all weights: the largest difference from that."""
