@@ -120,7 +120,7 @@ def test_late_growth_is_that_of_a_residual_that_goes_on_growing() -> None:
     assert late_growth(0.5 + 0.5 * np.sin(40.0 * t), steady, 0.01) == 0.0  # it is bounded
     assert late_growth(np.minimum(t, 0.2), steady, 0.01) == 0.0  # it comes from one event
     # After a throughput at the start that is large, little energy is exchanged: the growth is most of it.
-    assert late_growth(t, np.where(t < 0.1, 10.0, 0.05), 0.01) > 0.05
+    assert late_growth(t, np.where(t < 0.1, 10.0, 0.02), 0.01) > 0.2
 
 
 @pytest.mark.parametrize(

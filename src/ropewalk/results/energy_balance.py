@@ -11,17 +11,20 @@ from numpy.typing import NDArray
 
 from ropewalk.model.load import Rolling
 from ropewalk.results.audit import AUDIT, rounding, turnover
-from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Array, Doubt, Layout
+from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Array, Doubt, Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.held_points import HeldPointWatch
 
 if TYPE_CHECKING:
     from ropewalk.model import Scenario
 
+RESIDUAL = "Energy residual"  # how its doubts and warnings begin
 AUDITED = ENERGY_FORMS.index(AUDIT)
 NOTABLE, LARGE = 0.01, 0.05  # of the energy throughput: a residual beyond is a warning, or a doubt
 FAST = 0.8  # of the speed of transverse waves: forces of masses are hard to resolve beyond
 SLACK = 100.0  # times the speed of waves: a line is slack there
+LATE = 0.2  # of the energy exchanged in the last third of a run: a residual that grows by more makes a run doubtful
+_FEW = 30  # output instants: with fewer the energy exchanged is not known
 _MOSTLY = 0.5  # part of the growth of a residual that an event must coincide with to be its cause
 _PUSHED = 1e-3  # part of the largest tension, from which on a compression counts
 _NEAR = 0.05  # part of a line next to its ends, where contact forces of bodies grow without bound
@@ -88,11 +91,11 @@ class EnergyWatch:
         """Return the coordinates of contact `k` at the output instants, m."""
         return np.array(self._of["xi"]).reshape(-1, len(self._loads))[:, k]
 
-    def findings(self, step: float) -> tuple[list[Doubt], list[str]]:
+    def findings(self, run_info: RunInfo) -> tuple[list[Doubt], list[str]]:
         """Find a doubt, or a warning, if the residual is a notable part of the energy throughput.
 
         Args:
-            step: s, of the run.
+            run_info: with the method and step of the run.
         """
         of = {name: np.array(values) for name, values in self._of.items()}
         for name in ("xi", "on", "force"):
@@ -107,13 +110,13 @@ class EnergyWatch:
             return [], []
         share = f"{_percent(size / scale)} of the energy throughput {amount(scale)}" if scale else "no throughput"
         growing = late_growth(residual, of["exchanged"], NOTABLE * scale)
-        what = f"Energy residual {amount(size)} at t = {of['time'][worst]:.4g} s ({share})"
-        if growing > NOTABLE:
+        what = f"{RESIDUAL} {amount(size)} at t = {of['time'][worst]:.4g} s ({share})"
+        if growing > LARGE:
             what += f", growing by {_percent(growing)} of the energy exchanged in the last third of the run"
-        found = Doubt(what, *self._cause(of, worst, step))
-        return ([found], []) if size > LARGE * scale or growing > LARGE else ([], [str(found)])
+        found = Doubt(what, *self._cause(of, worst, run_info))
+        return ([found], []) if size > LARGE * scale or growing > LATE else ([], [str(found)])
 
-    def _cause(self, of: dict[str, Array], worst: int, step: float) -> Cause:
+    def _cause(self, of: dict[str, Array], worst: int, run_info: RunInfo) -> Cause:
         """The event that most of the growth of the residual coincides with, the key to blame, and the remedy."""
         growth = np.maximum(np.diff(of["residual"][: worst + 1], prepend=0.0), 0.0)
         known = np.flatnonzero(growth > 0.0)
@@ -130,7 +133,8 @@ class EnergyWatch:
         for find in (self._crossing, self._near_an_end, self._leaving, self._faster_than_waves, self._pushing):
             if (cause := find(of, mostly, when)) is not None:
                 return cause
-        finer = f"run.step: {0.5 * step:.3g} s (half of its value)" if np.isfinite(step) and step > 0.0 else "run.step"
+        step = run_info.step if run_info.method != "implicit" else float("nan")  # that chooses its steps itself
+        finer = f"run.step: {0.5 * step:.3g} s (half of its value)" if step > 0.0 else "run.step"
         remedy = f"write a smaller {finer}; if the residual does not fall, write more elements"
         return f"not identified, the residual grows {when}", "run.step", remedy
 
@@ -216,7 +220,7 @@ def late_growth(residual: Array, exchanged: Array, least: float) -> float:
     """
     n = residual.size
     first, middle = residual[2 * n // 3 :][: n // 6], residual[n - max(n // 6, 1) :]
-    if n < 12 or residual[-1] - residual[2 * n // 3] < least:
+    if n < _FEW or residual[-1] - residual[2 * n // 3] < least:
         return 0.0
     if np.median(middle) <= np.median(first) or residual[-1] < np.median(middle):
         return 0.0

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ropewalk.results.audit import ROUNDING
 from ropewalk.results.calm import started_too_close
-from ropewalk.results.energy_balance import EnergyWatch
+from ropewalk.results.energy_balance import RESIDUAL, EnergyWatch
 from ropewalk.results.frame import OFF_LINE, Array, Doubt, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.ground import GroundWatch
@@ -99,6 +99,8 @@ class Watch:
     def judge(self, run_info: RunInfo) -> None:
         """Note all doubts and remarks about what was seen."""
         if self._times:
+            run_info.doubts[:] = [doubt for doubt in run_info.doubts if not doubt.what.startswith(RESIDUAL)]
+            run_info.warnings[:] = [text for text in run_info.warnings if not text.startswith(RESIDUAL)]  # of a part
             force = np.array(self._force).reshape(len(self._instants), len(self.loads))
             run_info.doubts += [doubt for doubt in self._doubts(run_info, force) if doubt not in run_info.doubts]
             run_info.warnings += [
@@ -111,7 +113,7 @@ class Watch:
         if self.layout.path == "time":
             yield from self._held_points.doubts(force)
             if not run_info.audit and len(self._times) > 1:
-                yield from self._energy.findings(run_info.step)[0]
+                yield from self._energy.findings(run_info)[0]
             yield from self._single_steps(force)
         missing, carried = self._missing
         if missing > max(UNBALANCED * carried, VANISHING):
@@ -214,7 +216,7 @@ class Watch:
         yield from self._lost_contact.messages()
         yield from self._hanging.messages()
         if self.layout.path == "time" and not run_info.audit and len(self._times) > 1:
-            yield from self._energy.findings(run_info.step)[1]
+            yield from self._energy.findings(run_info)[1]
         run = self.scenario.run
         if run.kind != "dynamic" or run.start.kind != "rest" or run.start.with_loads:
             return
