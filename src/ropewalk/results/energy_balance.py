@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.model.load import Rolling
+from ropewalk.results.attachments import AttachmentWatch
 from ropewalk.results.audit import AUDIT, rounding, turnover
 from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Array, Doubt, Layout, RunInfo
 from ropewalk.results.frames import Frames
-from ropewalk.results.held_points import HeldPointWatch
 
 if TYPE_CHECKING:
     from ropewalk.model import Scenario
@@ -42,11 +42,11 @@ class EnergyWatch:
     Args:
         layout: of the frames.
         scenario: what is run.
-        held: bodies that cross held points.
+        attachments: bodies that cross attachments.
     """
 
-    def __init__(self, layout: Layout, scenario: Scenario, held: HeldPointWatch) -> None:
-        self._layout, self._scenario, self._held = layout, scenario, held
+    def __init__(self, layout: Layout, scenario: Scenario, attachments: AttachmentWatch) -> None:
+        self._layout, self._scenario, self._attachments = layout, scenario, attachments
         self._loads = [name.partition(".")[0] for name in layout.contact_load]
         self._bodies = np.array([isinstance(scenario.loads.get(name), Rolling) for name in self._loads], dtype=np.bool_)
         self._first: Array | None = None
@@ -145,10 +145,10 @@ class EnergyWatch:
 
     def _crossing(self, of: dict[str, Array], mostly: Callable[[Booleans], bool], when: str) -> Cause | None:
         for k, name in enumerate(self._loads):
-            if mostly(self._held.blamed(k, of["xi"][:, k])):
+            if mostly(self._attachments.blamed(k, of["xi"][:, k])):
                 load = self._scenario.loads[name]
-                text = f"load {self._layout.contact_load[k]} is located at a held point of line {load.on} {when}"
-                return text, f"loads.{name}.travel", self._held.remedy_for(k)
+                text = f"load {self._layout.contact_load[k]} is located at an attachment of line {load.on} {when}"
+                return text, f"loads.{name}.travel", self._attachments.remedy_for(k)
         return None
 
     def _near_an_end(self, of: dict[str, Array], mostly: Callable[[Booleans], bool], when: str) -> Cause | None:

@@ -59,15 +59,15 @@ def driving_force(result: xr.Dataset) -> float:
         (VEHICLE, TRAVEL), (SOFT, TRAVEL), (TROLLEY, TRAVEL), (OSCILLATOR, TRAVEL),
     ],
 )  # fmt: skip
-def test_a_body_whose_travel_is_prescribed_over_a_held_point_is_doubtful(
+def test_a_body_whose_travel_is_prescribed_over_an_attachment_is_doubtful(
     structure: str, load: dict[str, Any], travel: dict[str, Any]
 ) -> None:
     result = over(structure, {**load, "travel": travel})
     assert result.attrs["outcome"] == "doubtful"
     first = doubts(result)[0]
-    held = {"clamp": "inner support clamp", "hanger": "joined line hanger"}[structure]
+    place = {"clamp": "inner support clamp", "hanger": "joined line hanger"}[structure]
     assert first.startswith("load robot")
-    assert f"crosses {held} of line rope at xi = 50.15 m" in first
+    assert f"crosses {place} of line rope at xi = 50.15 m" in first
     assert "N at t = " in first
     assert "(loads.robot.travel); write travel.measured: horizontal" in first
     assert ("leave contact_stiffness out" in first) == (load is SOFT)
@@ -147,7 +147,7 @@ def test_the_cases_name_a_remedy_that_they_do_not_follow_yet(case: str) -> None:
 
 @pytest.mark.xfail(strict=True, reason="one engine, stage 3")
 @pytest.mark.parametrize("case", ["mass-over-support", "mass-over-joint"])
-def test_the_driving_force_over_a_held_point_is_a_few_hundred_newtons(case: str) -> None:
+def test_the_driving_force_over_an_attachment_is_a_few_hundred_newtons(case: str) -> None:
     """As with a horizontal speed, a free travel, or a bending stiffness: 91 to 250 N."""
     result = simulate(load(HERE / f"{case}.yaml"))
     assert result.attrs["outcome"] == "completed"
@@ -164,7 +164,7 @@ def residual(result: xr.Dataset) -> float:
     return float(np.abs(result["energy"].sel(form=AUDIT)).max() / turnover(energy).max())
 
 
-def test_a_body_that_slides_at_a_held_point_is_doubtful_and_one_next_to_it_is_not() -> None:
+def test_a_body_that_slides_at_an_attachment_is_doubtful_and_one_next_to_it_is_not() -> None:
     at, beside = ring("run.until=3 s"), ring("run.until=3 s", "loads.ring.travel.from=17.868 m")
     assert at.attrs["outcome"] == "doubtful"
     assert doubts(at)[0].startswith(
@@ -203,7 +203,7 @@ def test_a_free_body_that_crosses_a_joint_of_a_coarse_line_is_named_and_elements
         loads = {"robot": MASS | {"on": "rope", "travel": DRIVER}}
         found.append(simulate(Scenario.model_validate({"lines": lines, "loads": loads, "run": run})))
     coarse, fine = found
-    assert "load robot is located at a held point of line rope" in coarse.attrs["doubts"]
+    assert "load robot is located at an attachment of line rope" in coarse.attrs["doubts"]
     assert "write more elements for line rope (lines.rope.elements)" in coarse.attrs["doubts"]
     assert (fine.attrs["outcome"], "Energy residual" in fine.attrs["warnings"]) == ("completed", False)
 

@@ -1,9 +1,9 @@
-"""Bodies that cross, or slide at, a held point of a rope: an inner support, or the end of a joined line.
+"""Bodies that cross, or slide at, an attachment of a rope: an inner support, or the end of a joined line.
 
-The piece of rope between the body and the held point is an axial spring of stiffness EA / length. A prescribed material
+The piece of rope between the body and the attachment is an axial spring of stiffness EA / length. A prescribed material
 coordinate shortens it to nothing, so that the driving force oscillates with a frequency and an amplitude that the mesh
 decides. A body of 60 kg at 1 m/s on a rope with EA = 29 MN: 4 to 47 kN on links of 0.5 to 2 m, 250 N if its horizontal
-speed is prescribed. A body with a free travel that slides to and fro at a held point gains energy there, and its
+speed is prescribed. A body with a free travel that slides to and fro at an attachment gains energy there, and its
 tensions differ by more than its friction bears.
 """
 
@@ -25,19 +25,19 @@ if TYPE_CHECKING:
     from ropewalk.model import Scenario
     from ropewalk.model.load import AnyLoad
 
-_RESOLVED = 10  # output instants near a held point, from which on they show its peak
+_RESOLVED = 10  # output instants near an attachment, from which on they show its peak
 _BOTH = 3  # output instants with friction that is too large, in each direction: a body that crosses has one only
-_CLOSE = 0.1  # of a link: a body with a free travel crosses a held point there
+_CLOSE = 0.1  # of a link: a body with a free travel crosses an attachment there
 _CLEARLY = 3.0  # times the typical contact forces of a load: a peak of a driving force with a horizontal speed
-_AT = 0.01  # of a link: a body so close to a held point is located at it
+_AT = 0.01  # of a link: a body so close to an attachment is located at it
 _MORE = 0.1  # friction coefficient by which that of the tensions may exceed the one of a body that slides
-_TIMES = 10.0  # the typical contact force: a contact force near a held point beyond that is a peak
+_TIMES = 10.0  # the typical contact force: a contact force near an attachment beyond that is a peak
 _DRIVER = "travel.kind: free with travel.driver, which limits the driving force"
 _MAY_BE_FREE = ("mass", "trolley")  # whose travel may be free without another key
 _FORCES = ("hold_force", "contact_force")
 
 
-class _HeldPoint(NamedTuple):
+class _Attachment(NamedTuple):
     """A point of a line that a support or another line holds."""
 
     name: str
@@ -45,8 +45,8 @@ class _HeldPoint(NamedTuple):
     reach: float  # m, length of a link
 
 
-class HeldPointWatch:
-    """Watches bodies for peaks of their driving force near held points, and for too much friction at them.
+class AttachmentWatch:
+    """Watches bodies for peaks of their driving force near attachments, and for too much friction at them.
 
     Args:
         layout: of the frames.
@@ -60,25 +60,25 @@ class HeldPointWatch:
         self._points = {
             k: points
             for k, name in enumerate(self._loads)
-            if moves and (points := self._held_before(scenario.loads.get(name)))
+            if moves and (points := self._attachments_below(scenario.loads.get(name)))
         }  # fmt: skip
         self._crossed = dict[tuple[int, int], tuple[float, float]]()  # smallest and largest distance, m
         self._peak = dict[tuple[int, int], tuple[float, float, float]]()  # driving and contact force, N, when, s
         self._frames = dict[tuple[int, int], int]()
         self._slid = dict[tuple[int, int], tuple[int, int, float, float]]()  # forwards, backwards, friction, when, s
 
-    def _held_before(self, load: AnyLoad | None) -> list[_HeldPoint]:
-        """Held points of the line of a body; of ropes only."""
+    def _attachments_below(self, load: AnyLoad | None) -> list[_Attachment]:
+        """Attachments of the line of a body; of ropes only."""
         line = None if load is None else self._scenario.lines.get(load.on)
         if line is None or line.has_bending_stiffness or not isinstance(load, Rolling):
             return []
         reach = (line.length or line.distance) / line.elements
-        held = [_HeldPoint(f"inner support {name}", each.at, reach) for name, each in line.supports.items()]
+        found = [_Attachment(f"inner support {name}", each.at, reach) for name, each in line.supports.items()]
         for name, other in self._scenario.lines.items():
             for end in (other.start_support, other.end_support):
                 if isinstance(end, Joined) and end.to == load.on and isinstance(end.at, float):
-                    held.append(_HeldPoint(f"joined line {name}", end.at, reach))
-        return held
+                    found.append(_Attachment(f"joined line {name}", end.at, reach))
+        return found
 
     def see(self, frames: Frames) -> None:
         """Take note of frames."""
@@ -118,11 +118,11 @@ class HeldPointWatch:
         )
 
     def _slides(self, at: tuple[int, int]) -> bool:
-        """Whether a body slides to and fro at a held point with more friction than it has."""
+        """Whether a body slides to and fro at an attachment with more friction than it has."""
         return min(self._slid.get(at, (0, 0))[:2]) >= _BOTH
 
     def blamed(self, k: int, xi: Array) -> NDArray[np.bool_]:
-        """Return whether contact `k` is where a held point spoils its motion, of each of its coordinates `xi`, m."""
+        """Return whether contact `k` is where an attachment spoils its motion, of each of its coordinates `xi`, m."""
         found, points = np.zeros(xi.size, dtype=np.bool_), self._points.get(k, ())
         free = bool(points) and isinstance(self._scenario.loads[self._loads[k]].travel, FreeTravel)
         for point in points:
@@ -130,7 +130,7 @@ class HeldPointWatch:
         return found
 
     def doubts(self, force: Array) -> Iterator[Doubt]:
-        """Find the loads whose driving force has a peak at a held point, or that slide at one.
+        """Find the loads whose driving force has a peak at an attachment, or that slide at one.
 
         Args:
             force: (sample, contact) N, of contacts.
@@ -155,7 +155,7 @@ class HeldPointWatch:
             f"its tensions need a friction coefficient of {most:.3g} at t = {when:.4g} s (travel.friction is "
             f"{load.travel.friction:.3g})"
         )
-        cause = "a body that slides over a held point of a rope gains energy there"
+        cause = "a body that slides over an attachment of a rope gains energy there"
         return Doubt(what, cause, f"loads.{self._loads[k]}.travel", self.remedy_for(k))
 
     def _crossing(self, k: int, p: int, force: Array) -> Doubt | None:
@@ -180,7 +180,7 @@ class HeldPointWatch:
         return Doubt(what, cause, f"loads.{self._loads[k]}.travel", self.remedy_for(k))
 
     def remedy_for(self, k: int) -> str:
-        """Return the changes that make contact `k` right at held points, without those that its load has already."""
+        """Return the changes that make contact `k` right at attachments, without those that its load has already."""
         load = self._scenario.loads[self._loads[k]]
         if isinstance(load.travel, FreeTravel):
             if any(self._slides((k, p)) for p in range(len(self._points[k]))):
