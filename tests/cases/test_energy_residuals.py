@@ -72,7 +72,7 @@ def test_a_mass_as_fast_as_waves_is_named_and_less_speed_or_more_tension_helps()
 
 
 def test_a_mass_on_a_slack_line_is_named_and_a_lower_speed_helps() -> None:
-    slack = {"tension": None, "length": 10.8, "mass": 1.0, "elements": 40, "axial_stiffness": 1e6}
+    slack: dict[str, Any] = {"tension": None, "length": 10.8, "mass": 1.0, "elements": 40, "axial_stiffness": 1e6}
     fast = run(mass(8.0, 1.0, mass=5.0), 1.0, **slack)
     assert "the line is slack at load w" in reported(fast)
     assert reported(fast).endswith("(loads.w.travel.speed); write a lower speed")

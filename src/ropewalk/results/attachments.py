@@ -10,7 +10,7 @@ tensions differ by more than its friction bears.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,6 +80,10 @@ class AttachmentWatch:
                     found.append(_Attachment(f"joined line {name}", end.at, reach))
         return found
 
+    def _load(self, k: int) -> Any:
+        """The load of contact `k`, which has a travel."""
+        return self._scenario.loads[self._loads[k]]
+
     def see(self, frames: Frames) -> None:
         """Take note of frames."""
         for k, points in self._points.items():
@@ -100,7 +104,7 @@ class AttachmentWatch:
             self._peak[at] = max(self._peak.get(at, found), found)
 
     def _see_sliding(self, frames: Frames, at: tuple[int, int], there: Integers) -> None:
-        load = self._scenario.loads[self._loads[at[0]]]
+        load = self._load(at[0])
         if not there.size or not isinstance(load.travel, FreeTravel):
             return
         needed = np.nan_to_num(frames.of["contact_friction"][there, at[0]], posinf=0.0)
@@ -124,7 +128,7 @@ class AttachmentWatch:
     def blamed(self, k: int, xi: Array) -> NDArray[np.bool_]:
         """Return whether contact `k` is where an attachment spoils its motion, of each of its coordinates `xi`, m."""
         found, points = np.zeros(xi.size, dtype=np.bool_), self._points.get(k, ())
-        free = bool(points) and isinstance(self._scenario.loads[self._loads[k]].travel, FreeTravel)
+        free = bool(points) and isinstance(self._load(k).travel, FreeTravel)
         for point in points:
             found |= np.abs(xi - point.xi) < (_CLOSE if free else 1.0) * point.reach
         return found
@@ -138,7 +142,7 @@ class AttachmentWatch:
         reported = set[str]()
         for (k, p), (low, high) in self._crossed.items():
             name = self._loads[k]
-            free = isinstance(self._scenario.loads[name].travel, FreeTravel)
+            free = isinstance(self._load(k).travel, FreeTravel)
             crosses = low <= 0.0 <= high and high - low > _AT * self._points[k][p].reach
             found = self._sliding(k, p) if free else self._crossing(k, p, force) if crosses else None
             if found is not None and name not in reported:
@@ -149,7 +153,7 @@ class AttachmentWatch:
         if not self._slides((k, p)):
             return None
         most, when = self._slid[k, p][2:]
-        load, point = self._scenario.loads[self._loads[k]], self._points[k][p]
+        load, point = self._load(k), self._points[k][p]
         what = (
             f"load {self._layout.contact_load[k]} slides at {point.name} of line {load.on}, xi = {point.xi:.4g} m: "
             f"its tensions need a friction coefficient of {most:.3g} at t = {when:.4g} s (travel.friction is "
@@ -159,7 +163,7 @@ class AttachmentWatch:
         return Doubt(what, cause, f"loads.{self._loads[k]}.travel", self.remedy_for(k))
 
     def _crossing(self, k: int, p: int, force: Array) -> Doubt | None:
-        load, point = self._scenario.loads[self._loads[k]], self._points[k][p]
+        load, point = self._load(k), self._points[k][p]
         typical, whole = _typical(force[:, k]), sum(
             _typical(force[:, j]) for j, name in enumerate(self._loads) if name == self._loads[k]
         )  # fmt: skip
@@ -181,7 +185,7 @@ class AttachmentWatch:
 
     def remedy_for(self, k: int) -> str:
         """Return the changes that make contact `k` right at attachments, without those that its load has already."""
-        load = self._scenario.loads[self._loads[k]]
+        load = self._load(k)
         if isinstance(load.travel, FreeTravel):
             if any(self._slides((k, p)) for p in range(len(self._points[k]))):
                 return f"write travel.from at least one link, {self._points[k][0].reach:.3g} m, away from it"

@@ -121,8 +121,7 @@ class EnergyWatch:
         growth = np.maximum(np.diff(of["residual"][: worst + 1], prepend=0.0), 0.0)
         known = np.flatnonzero(growth > 0.0)
         shares = np.cumsum(growth[known]) / growth[known].sum()
-        begin = int(known[np.searchsorted(shares, 0.1)])
-        end = int(known[min(np.searchsorted(shares, 0.9), known.size - 1)])
+        begin, end = (int(known[min(int(i), known.size - 1)]) for i in np.searchsorted(shares, (0.1, 0.9)))
         when = f"between t = {of['time'][max(begin - 1, 0)]:.4g} and {of['time'][end]:.4g} s"
 
         def mostly(happens: Booleans) -> bool:
@@ -163,14 +162,15 @@ class EnergyWatch:
             pressing, length = force[force > 0.0], float(own.max() + own.min())
             away = np.where(of["on"][:, k] > 0.0, np.minimum(xi, length - xi), length)
             approaches = np.diff(away, prepend=away[0]) < 0.0
-            reach, travel = _NEAR * length, load.travel
+            reach = _NEAR * length
             typical = float(np.median(pressing)) if pressing.size else np.inf
             if not mostly(approaches & (away < reach) & (force > _PEAK * typical)):
                 continue
             text = f"the contact force of load {self._layout.contact_load[k]} grows next to an end of {load.on} {when}"
             remedy, last = f"end the run before t = {self._since(of):.4g} s", float(xi[away < reach][-1])
             begins = float(abs(xi[0] - (length if last > reach else 0.0)))  # m from the end that it comes to
-            if "margin" in type(travel).model_fields and (travel.margin or 0.0) < reach < begins:
+            margin = getattr(load.travel, "margin", reach)  # trains have none
+            if (margin or 0.0) < reach < begins:
                 remedy = f"write a larger travel.margin, such as {reach:.3g} m, or {remedy}"
             return text, f"loads.{name}.travel", remedy
         return None
