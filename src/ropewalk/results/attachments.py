@@ -74,7 +74,8 @@ class AttachmentWatch:
             return []
         reach = (line.length or line.distance) / line.elements
         found = [_Attachment(f"inner support {name}", each.at, reach) for name, each in line.supports.items()]
-        for name, other in self._scenario.lines.items():
+        rows = {name: each for row in self._scenario.hangers for name, each in self._scenario.hung(row).items()}
+        for name, other in (self._scenario.lines | rows).items():
             for end in (other.start_support, other.end_support):
                 if isinstance(end, Joined) and end.to == load.on and isinstance(end.at, float):
                     found.append(_Attachment(f"joined line {name}", end.at, reach))
