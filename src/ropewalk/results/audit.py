@@ -1,4 +1,4 @@
-"""The energy audit: what is stored, what works have been done, what is missing; and how much has changed its form."""
+"""The energy audit: energies stored, works done, the residual of their balance, and the energy throughput."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Audit:
 
 
 def turnover(energy: Array, first: Array | None = None) -> Array:
-    """Energy that has changed its form since the start, in J: half the sum of all changes.
+    """Return the energy throughput since the start, J: half the sum of all changes of forms of energy.
 
     Args:
         energy: array (frame, form) in J, in the order of ENERGY_FORMS.

@@ -10,23 +10,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.model.load import Rolling
+from ropewalk.results.attachments import AttachmentWatch
 from ropewalk.results.audit import AUDIT, rounding, turnover
-from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Array, Doubt, Layout
+from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Array, Doubt, Layout, RunInfo
 from ropewalk.results.frames import Frames
-from ropewalk.results.held_points import HeldPointWatch
 
 if TYPE_CHECKING:
     from ropewalk.model import Scenario
 
+RESIDUAL = "Energy residual"  # how its doubts and warnings begin
 AUDITED = ENERGY_FORMS.index(AUDIT)
 NOTABLE, LARGE = 0.01, 0.05  # of the energy throughput: a residual beyond is a warning, or a doubt
 FAST = 0.8  # of the speed of transverse waves: forces of masses are hard to resolve beyond
 SLACK = 100.0  # times the speed of waves: a line is slack there
+LATE = 0.2  # of the energy exchanged in the last third of a run: a residual that grows by more makes a run doubtful
+_FEW = 30  # output instants: with fewer the energy exchanged is not known
 _MOSTLY = 0.5  # part of the growth of a residual that an event must coincide with to be its cause
 _PUSHED = 1e-3  # part of the largest tension, from which on a compression counts
 _NEAR = 0.05  # part of a line next to its ends, where contact forces of bodies grow without bound
 _PEAK = 1.5  # times its median: a contact force next to an end beyond that has grown
-_ONCE = 2  # changes of a contact that enters its line and leaves it
+_ONCE = 2  # changes of a contact that enters its line once and leaves it once
 _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 
 Booleans = NDArray[np.bool_]
@@ -39,12 +42,13 @@ class EnergyWatch:
     Args:
         layout: of the frames.
         scenario: what is run.
-        held: bodies that cross held points.
+        attachments: bodies that cross attachments.
     """
 
-    def __init__(self, layout: Layout, scenario: Scenario, held: HeldPointWatch) -> None:
-        self._layout, self._scenario, self._held = layout, scenario, held
+    def __init__(self, layout: Layout, scenario: Scenario, attachments: AttachmentWatch) -> None:
+        self._layout, self._scenario, self._attachments = layout, scenario, attachments
         self._loads = [name.partition(".")[0] for name in layout.contact_load]
+        self._bodies = np.array([isinstance(scenario.loads.get(name), Rolling) for name in self._loads], dtype=np.bool_)
         self._first: Array | None = None
         self._last: Array = np.zeros(0)  # forms in the frame before, J
         self._rounding = 0.0  # J
@@ -63,6 +67,7 @@ class EnergyWatch:
             self._first = self._last = energy[0].copy()
         pull = np.nan_to_num(of["tension"])
         contacts = speed.shape[1] > 0
+        speed = np.where((speed > SLACK) & ~self._bodies, 0.0, speed)  # without mass nothing grows on a slack line
         self._rounding = max(self._rounding, rounding(self._scenario, energy))
         forms = np.delete(np.concatenate([self._last[None], energy]), AUDITED, axis=1)
         found = {
@@ -86,11 +91,11 @@ class EnergyWatch:
         """Return the coordinates of contact `k` at the output instants, m."""
         return np.array(self._of["xi"]).reshape(-1, len(self._loads))[:, k]
 
-    def findings(self, step: float) -> tuple[list[Doubt], list[str]]:
+    def findings(self, run_info: RunInfo) -> tuple[list[Doubt], list[str]]:
         """Find a doubt, or a warning, if the residual is a notable part of the energy throughput.
 
         Args:
-            step: s, of the run.
+            run_info: with the method and step of the run.
         """
         of = {name: np.array(values) for name, values in self._of.items()}
         for name in ("xi", "on", "force"):
@@ -105,19 +110,18 @@ class EnergyWatch:
             return [], []
         share = f"{_percent(size / scale)} of the energy throughput {amount(scale)}" if scale else "no throughput"
         growing = late_growth(residual, of["exchanged"], NOTABLE * scale)
-        what = f"Energy residual {amount(size)} at t = {of['time'][worst]:.4g} s ({share})"
-        if growing > NOTABLE:
+        what = f"{RESIDUAL} {amount(size)} at t = {of['time'][worst]:.4g} s ({share})"
+        if growing > LARGE:
             what += f", growing by {_percent(growing)} of the energy exchanged in the last third of the run"
-        found = Doubt(what, *self._cause(of, worst, step))
-        return ([found], []) if size > LARGE * scale or growing > LARGE else ([], [str(found)])
+        found = Doubt(what, *self._cause(of, worst, run_info))
+        return ([found], []) if size > LARGE * scale or growing > LATE else ([], [str(found)])
 
-    def _cause(self, of: dict[str, Array], worst: int, step: float) -> Cause:
+    def _cause(self, of: dict[str, Array], worst: int, run_info: RunInfo) -> Cause:
         """The event that most of the growth of the residual coincides with, the key to blame, and the remedy."""
         growth = np.maximum(np.diff(of["residual"][: worst + 1], prepend=0.0), 0.0)
         known = np.flatnonzero(growth > 0.0)
         shares = np.cumsum(growth[known]) / growth[known].sum()
-        begin = int(known[np.searchsorted(shares, 0.1)])
-        end = int(known[min(np.searchsorted(shares, 0.9), known.size - 1)])
+        begin, end = (int(known[min(int(i), known.size - 1)]) for i in np.searchsorted(shares, (0.1, 0.9)))
         when = f"between t = {of['time'][max(begin - 1, 0)]:.4g} and {of['time'][end]:.4g} s"
 
         def mostly(happens: Booleans) -> bool:
@@ -125,10 +129,11 @@ class EnergyWatch:
             either = happens | np.concatenate([happens[:1], happens[:-1]])
             return bool(growth[either[: worst + 1]].sum() > _MOSTLY * growth.sum())
 
-        for find in (self._crossing, self._near_an_end, self._coming_and_going, self._faster_than_waves, self._pushing):
+        for find in (self._crossing, self._near_an_end, self._leaving, self._faster_than_waves, self._pushing):
             if (cause := find(of, mostly, when)) is not None:
                 return cause
-        finer = f"run.step: {0.5 * step:.3g} s (half of its value)" if np.isfinite(step) and step > 0.0 else "run.step"
+        step = run_info.step if run_info.method != "implicit" else float("nan")  # that chooses its steps itself
+        finer = f"run.step: {0.5 * step:.3g} s (half of its value)" if step > 0.0 else "run.step"
         remedy = f"write a smaller {finer}; if the residual does not fall, write more elements"
         return f"not identified, the residual grows {when}", "run.step", remedy
 
@@ -139,10 +144,10 @@ class EnergyWatch:
 
     def _crossing(self, of: dict[str, Array], mostly: Callable[[Booleans], bool], when: str) -> Cause | None:
         for k, name in enumerate(self._loads):
-            if mostly(self._held.blamed(k, of["xi"][:, k])):
+            if mostly(self._attachments.blamed(k, of["xi"][:, k])):
                 load = self._scenario.loads[name]
-                text = f"load {self._layout.contact_load[k]} is located at a held point of line {load.on} {when}"
-                return text, f"loads.{name}.travel", self._held.remedy_for(k)
+                text = f"load {self._layout.contact_load[k]} is located at an attachment of line {load.on} {when}"
+                return text, f"loads.{name}.travel", self._attachments.remedy_for(k)
         return None
 
     def _near_an_end(self, of: dict[str, Array], mostly: Callable[[Booleans], bool], when: str) -> Cause | None:
@@ -155,28 +160,30 @@ class EnergyWatch:
             own = self._layout.link_xi[[one == load.on for one in self._layout.link_line]]
             xi, force = of["xi"][:, k], np.nan_to_num(of["force"][:, k])
             pressing, length = force[force > 0.0], float(own.max() + own.min())
-            away = np.where(of["on"][:, k] > 0.0, np.minimum(xi, length - xi), np.inf)
-            if not pressing.size or not mostly((away < _NEAR * length) & (force > _PEAK * float(np.median(pressing)))):
+            away = np.where(of["on"][:, k] > 0.0, np.minimum(xi, length - xi), length)
+            approaches = np.diff(away, prepend=away[0]) < 0.0
+            reach = _NEAR * length
+            typical = float(np.median(pressing)) if pressing.size else np.inf
+            if not mostly(approaches & (away < reach) & (force > _PEAK * typical)):
                 continue
             text = f"the contact force of load {self._layout.contact_load[k]} grows next to an end of {load.on} {when}"
-            earlier = f"write a larger travel.margin, such as {_NEAR * length:.3g} m, or " if hasattr(
-                getattr(load, "travel", None), "margin"
-            ) and not (load.travel.margin or 0.0) >= _NEAR * length else ""  # fmt: skip
-            return text, f"loads.{name}.travel", f"{earlier}end the run before t = {self._since(of):.4g} s"
+            remedy, last = f"end the run before t = {self._since(of):.4g} s", float(xi[away < reach][-1])
+            begins = float(abs(xi[0] - (length if last > reach else 0.0)))  # m from the end that it comes to
+            margin = getattr(load.travel, "margin", reach)  # trains have none
+            if (margin or 0.0) < reach < begins:
+                remedy = f"write a larger travel.margin, such as {reach:.3g} m, or {remedy}"
+            return text, f"loads.{name}.travel", remedy
         return None
 
-    def _coming_and_going(self, of: dict[str, Array], mostly: Callable[[Booleans], bool], when: str) -> Cause | None:
+    def _leaving(self, of: dict[str, Array], mostly: Callable[[Booleans], bool], when: str) -> Cause | None:
         for k, name in enumerate(self._loads):
             on = of["on"][:, k] > 0.0
             changed = np.concatenate([[False], on[1:] != on[:-1]])
             if changed.sum() > _ONCE:
                 continue  # as a foot that steps
-            for did, remedy, happens in (
-                ("leaves its line", f"end the run before t = {self._since(of):.4g} s", changed & ~on),
-                ("enters its line", "write travel.from within the line", changed & on),
-            ):
-                if mostly(happens):
-                    return f"load {self._layout.contact_load[k]} {did} {when}", f"loads.{name}.travel", remedy
+            if mostly(changed & ~on):
+                text = f"load {self._layout.contact_load[k]} leaves its line {when}"
+                return text, f"loads.{name}.travel", f"end the run before t = {self._since(of):.4g} s"
         return None
 
     def _faster_than_waves(self, of: dict[str, Array], mostly: Callable[[Booleans], bool], when: str) -> Cause | None:
@@ -185,9 +192,11 @@ class EnergyWatch:
             return None
         i = int(of["speed"].argmax())
         k, times = int(of["fastest"][i]), float(of["speed"][i])
-        text = f"{times:.3g} times" if times < SLACK else "far above"  # next to slack line waves hardly move
-        cause = f"load {self._layout.contact_load[k]} moves at {text} the speed of transverse waves {when}"
-        return cause, f"loads.{self._loads[k]}.travel.speed", "write a lower speed, or more tension or elements"
+        name, key = self._layout.contact_load[k], f"loads.{self._loads[k]}.travel.speed"
+        if times > SLACK:
+            return f"the line is slack at load {name} {when}", key, "write a lower speed"
+        cause = f"load {name} moves at {times:.3g} times the speed of transverse waves {when}"
+        return cause, key, "write a lower speed, or more tension"
 
     def _pushing(self, of: dict[str, Array], mostly: Callable[[Booleans], bool], when: str) -> Cause | None:
         pushed = of["compression"] > _PUSHED
@@ -197,10 +206,8 @@ class EnergyWatch:
         line = self._scenario.lines.get(name)
         if line is None or line.has_bending_stiffness:
             return None
-        remedy = "write more axial_damping" if line.law.kind in ("tension_only", "webbing") else (
-            "write law: {kind: tension_only}, or more axial_damping"
-        )  # fmt: skip
-        return f"line {name} is in compression {when}", f"lines.{name}.law", remedy
+        remedy = f"write more axial_damping (now {line.axial_damping:.3g} N*s), or more elements"
+        return f"line {name} is in compression {when}", f"lines.{name}.axial_damping", remedy
 
 
 def late_growth(residual: Array, exchanged: Array, least: float) -> float:
@@ -213,7 +220,7 @@ def late_growth(residual: Array, exchanged: Array, least: float) -> float:
     """
     n = residual.size
     first, middle = residual[2 * n // 3 :][: n // 6], residual[n - max(n // 6, 1) :]
-    if n < 12 or residual[-1] - residual[2 * n // 3] < least:
+    if n < _FEW or residual[-1] - residual[2 * n // 3] < least:
         return 0.0
     if np.median(middle) <= np.median(first) or residual[-1] < np.median(middle):
         return 0.0

@@ -468,12 +468,12 @@ def _energy_rows(energy: Summary, say: Column) -> Iterator[Row]:
         yield ENERGY_LABELS[form], say(value, "J"), ""
     if stands:
         return
-    yield "energy turned over", say(energy["turnover"], "J"), "half the sum of all changes above since the start"
+    yield "energy throughput", say(energy["turnover"], "J"), "half the sum of all changes above since the start"
     if worst is None:
-        yield "largest imbalance", "unknown", "no audit was kept"
+        yield "largest energy residual", "unknown", "no audit was kept"
         return
-    share = "" if worst["relative"] is None else f"{percent(worst['relative'])} of the energy turned over"
-    yield "largest imbalance", say(worst["value"], "J"), "  ".join(filter(None, (share, *say.when(worst))))
+    share = "" if worst["relative"] is None else f"{percent(worst['relative'])} of the energy throughput"
+    yield "largest energy residual", say(worst["value"], "J"), "  ".join(filter(None, (share, *say.when(worst))))
 
 
 def _mesh_rows(mesh: Summary, say: Column) -> Iterator[Row]:

@@ -11,15 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.model.plausibility import implausible
+from ropewalk.results.attachments import AttachmentWatch
 from ropewalk.results.audit import ROUNDING
 from ropewalk.results.axial_restraint import AxialRestraintWatch
 from ropewalk.results.calm import started_too_close
-from ropewalk.results.energy_balance import EnergyWatch
+from ropewalk.results.energy_balance import RESIDUAL, EnergyWatch
 from ropewalk.results.frame import OFF_LINE, Array, Doubt, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.ground import GroundWatch
 from ropewalk.results.hanging import HangingWatch
-from ropewalk.results.held_points import HeldPointWatch
 from ropewalk.results.lost_contact import LostContactWatch
 from ropewalk.results.peaks import beside, lonely, missed, sharp, too_far_apart
 from ropewalk.results.pushing import PushWatch
@@ -58,8 +58,8 @@ class Watch:
         self._at_start: tuple[Array, Array] = np.zeros(0), np.zeros(0)  # states and xi of contacts in the first frame
         self._been = np.zeros(contacts, dtype=np.bool_)  # contacts that have been on their lines
         self._missing = 0.0, 0.0  # support forces at rest without what they carry, and that, N
-        self._held_points, self._strengths = HeldPointWatch(layout, scenario), StrengthWatch(layout, scenario)
-        self._energy = EnergyWatch(layout, scenario, self._held_points)
+        self._attachments, self._strengths = AttachmentWatch(layout, scenario), StrengthWatch(layout, scenario)
+        self._energy = EnergyWatch(layout, scenario, self._attachments)
         self._pushing = PushWatch(layout, scenario)
         self._over_ground, self._lost_contact = GroundWatch(layout, scenario), LostContactWatch(layout, scenario)
         self._hanging = HangingWatch(layout, scenario)
@@ -87,7 +87,7 @@ class Watch:
         for watch in self._ranges:
             watch.see(frames)
         self._been |= on.any(axis=0)
-        self._held_points.see(frames)
+        self._attachments.see(frames)
         self._energy.see(frames, self._in_waves(of))
         pull = of["tension"]
         pull = np.where(np.isfinite(pull), pull, 0.0)
@@ -106,6 +106,8 @@ class Watch:
     def judge(self, run_info: RunInfo) -> None:
         """Note all doubts and remarks about what was seen."""
         if self._times:
+            run_info.doubts[:] = [doubt for doubt in run_info.doubts if not doubt.what.startswith(RESIDUAL)]
+            run_info.warnings[:] = [text for text in run_info.warnings if not text.startswith(RESIDUAL)]  # of a part
             force = np.array(self._force).reshape(len(self._instants), len(self.loads))
             run_info.doubts += [doubt for doubt in self._doubts(run_info, force) if doubt not in run_info.doubts]
             run_info.warnings += [
@@ -116,17 +118,19 @@ class Watch:
         yield from self._absent(force)
         yield from self._strengths.doubts()
         if self.layout.path == "time":
-            yield from self._held_points.doubts(force)
+            yield from (attached := list(self._attachments.doubts(force)))
             if not run_info.audit and len(self._times) > 1:
-                yield from self._energy.findings(run_info.step)[0]
-            yield from self._single_steps(force)
+                yield from self._energy.findings(run_info)[0]
+            yield from self._single_steps(force, {doubt.key for doubt in attached})
         missing, carried = self._missing
         if missing > max(UNBALANCED * carried, VANISHING):
             what = (
                 f"the support forces differ by {missing:.4g} N from the {carried:.4g} N that they carry in equilibrium"
             )
-            remedy = "write more elements, and check supports and lengths"
-            yield Doubt(what, "the computed shape is not in equilibrium", "lines", remedy)
+            cause = "not identified, the computed shape is not in equilibrium"
+            yield Doubt(
+                what, cause, "lines", "check the support forces by another calculation, and write more elements"
+            )
 
     def _rest(self, frame: Frame, on: NDArray[np.bool_]) -> None:
         """At rest supports carry all weights: the largest difference from that."""
@@ -194,13 +198,13 @@ class Watch:
         key = f"loads.{name}.weight" if load.kind == "matrices" else f"loads.{name}"
         return "it has no weight, or is in the air all the time", key, "check its weight and its start"
 
-    def _single_steps(self, force: Array) -> Iterator[Doubt]:
+    def _single_steps(self, force: Array, doubted: set[str]) -> Iterator[Doubt]:
         """Peaks of contact forces and tensions that stand alone: they come from one step, and not from the line."""
         for k, name in enumerate(self.layout.contact_load):
             if (i := lonely(force[:, k])) is not None:
                 at = np.array([np.interp(self._instants[i], self._times, self._energy.xi(k))])
-                if self._held_points.blamed(k, at)[0]:
-                    continue  # that has a doubt of its own
+                if f"loads.{self.loads[k]}.travel" in doubted and self._attachments.blamed(k, at)[0]:
+                    continue
                 what = f"the contact force of load {name} is {_alone(force[:, k], i, self._instants[i])}"
                 yield Doubt(what, *_impact(self.scenario.loads.get(self.loads[k]), self.loads[k]))
         tension = np.array(self._tension)
@@ -223,7 +227,7 @@ class Watch:
         yield from self._lost_contact.messages()
         yield from self._hanging.messages()
         if self.layout.path == "time" and not run_info.audit and len(self._times) > 1:
-            yield from self._energy.findings(run_info.step)[1]
+            yield from self._energy.findings(run_info)[1]
         run = self.scenario.run
         if run.kind != "dynamic" or run.start.kind != "rest" or run.start.with_loads:
             return

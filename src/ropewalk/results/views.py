@@ -13,7 +13,8 @@ from matplotlib.markers import CARETUP
 from numpy.typing import NDArray
 
 from ropewalk.results import style
-from ropewalk.results.audit import AUDIT, turnover
+from ropewalk.results.audit import AUDIT, rounding, turnover
+from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contract import path_name
 from ropewalk.results.display_units import number
 from ropewalk.results.drawn import drawn_position
@@ -303,14 +304,14 @@ def energy(dataset: xr.Dataset, ax: Axes) -> None:
 
 
 def imbalance(dataset: xr.Dataset, ax: Axes) -> None:
-    """Draw what the energy audit misses, and say how large that is against the energy turned over."""
+    """Draw the energy residual, and compare it with the energy throughput."""
     path, values = dataset[path_name(dataset)].values, dataset["energy"].values
     missed = values[:, ENERGY_FORMS.index(AUDIT)]
     ax.plot(path, missed, color=style.INK, linewidth=style.THIN, label="_imbalance")
     moved, worst = float(np.max(turnover(values))), float(np.nanmax(np.abs(missed), initial=0.0))
     style.dress(ax, "Imbalance", path_label(dataset), "energy (J)")
-    if moved > 0.0:
-        note = f"{percent(worst / moved)} of the turnover"
+    if moved > 0.0 and worst > rounding(scenario_of(dataset), values):
+        note = f"{percent(worst / moved)} of the throughput"
         style.remark(ax, note if note.startswith("less") else f"at most {note}")
 
 

@@ -1,16 +1,16 @@
-"""Bodies that cross, or slide at, a held point of a rope: an inner support, or the end of a joined line.
+"""Bodies that cross, or slide at, an attachment of a rope: an inner support, or the end of a joined line.
 
-The piece of rope between the body and the held point is an axial spring of stiffness EA / length. A prescribed material
+The piece of rope between the body and the attachment is an axial spring of stiffness EA / length. A prescribed material
 coordinate shortens it to nothing, so that the driving force oscillates with a frequency and an amplitude that the mesh
 decides. A body of 60 kg at 1 m/s on a rope with EA = 29 MN: 4 to 47 kN on links of 0.5 to 2 m, 250 N if its horizontal
-speed is prescribed. A body with a free travel that slides to and fro at a held point gains energy there, and its
+speed is prescribed. A body with a free travel that slides to and fro at an attachment gains energy there, and its
 tensions differ by more than its friction bears.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,16 +25,19 @@ if TYPE_CHECKING:
     from ropewalk.model import Scenario
     from ropewalk.model.load import AnyLoad
 
-_RESOLVED = 10  # output instants near a held point, from which on they show its peak
-_AT = 0.01  # of a link: a body so close to a held point is located at it
+_RESOLVED = 10  # output instants near an attachment, from which on they show its peak
+_BOTH = 3  # output instants with friction that is too large, in each direction: a body that crosses has one only
+_CLOSE = 0.1  # of a link: a body with a free travel crosses an attachment there
+_CLEARLY = 3.0  # times the typical contact forces of a load: a peak of a driving force with a horizontal speed
+_AT = 0.01  # of a link: a body so close to an attachment is located at it
 _MORE = 0.1  # friction coefficient by which that of the tensions may exceed the one of a body that slides
-_TIMES = 10.0  # the typical contact force: a contact force near a held point beyond that is a peak
+_TIMES = 10.0  # the typical contact force: a contact force near an attachment beyond that is a peak
 _DRIVER = "travel.kind: free with travel.driver, which limits the driving force"
 _MAY_BE_FREE = ("mass", "trolley")  # whose travel may be free without another key
 _FORCES = ("hold_force", "contact_force")
 
 
-class _HeldPoint(NamedTuple):
+class _Attachment(NamedTuple):
     """A point of a line that a support or another line holds."""
 
     name: str
@@ -42,8 +45,8 @@ class _HeldPoint(NamedTuple):
     reach: float  # m, length of a link
 
 
-class HeldPointWatch:
-    """Watches bodies for peaks of their driving force near held points, and for too much friction at them.
+class AttachmentWatch:
+    """Watches bodies for peaks of their driving force near attachments, and for too much friction at them.
 
     Args:
         layout: of the frames.
@@ -57,25 +60,30 @@ class HeldPointWatch:
         self._points = {
             k: points
             for k, name in enumerate(self._loads)
-            if moves and (points := self._held_before(scenario.loads.get(name)))
+            if moves and (points := self._attachments_below(scenario.loads.get(name)))
         }  # fmt: skip
         self._crossed = dict[tuple[int, int], tuple[float, float]]()  # smallest and largest distance, m
         self._peak = dict[tuple[int, int], tuple[float, float, float]]()  # driving and contact force, N, when, s
         self._frames = dict[tuple[int, int], int]()
-        self._slid = dict[tuple[int, int], tuple[int, float, float]]()  # output instants, largest friction, when, s
+        self._slid = dict[tuple[int, int], tuple[int, int, float, float]]()  # forwards, backwards, friction, when, s
 
-    def _held_before(self, load: AnyLoad | None) -> list[_HeldPoint]:
-        """Held points of the line of a body; of ropes only."""
+    def _attachments_below(self, load: AnyLoad | None) -> list[_Attachment]:
+        """Attachments of the line of a body; of ropes only."""
         line = None if load is None else self._scenario.lines.get(load.on)
         if line is None or line.has_bending_stiffness or not isinstance(load, Rolling):
             return []
         reach = (line.length or line.distance) / line.elements
-        held = [_HeldPoint(f"inner support {name}", each.at, reach) for name, each in line.supports.items()]
-        for name, other in self._scenario.lines.items():
+        found = [_Attachment(f"inner support {name}", each.at, reach) for name, each in line.supports.items()]
+        rows = {name: each for row in self._scenario.hangers for name, each in self._scenario.hung(row).items()}
+        for name, other in (self._scenario.lines | rows).items():
             for end in (other.start_support, other.end_support):
                 if isinstance(end, Joined) and end.to == load.on and isinstance(end.at, float):
-                    held.append(_HeldPoint(f"joined line {name}", end.at, reach))
-        return held
+                    found.append(_Attachment(f"joined line {name}", end.at, reach))
+        return found
+
+    def _load(self, k: int) -> Any:
+        """The load of contact `k`, which has a travel."""
+        return self._scenario.loads[self._loads[k]]
 
     def see(self, frames: Frames) -> None:
         """Take note of frames."""
@@ -97,28 +105,37 @@ class HeldPointWatch:
             self._peak[at] = max(self._peak.get(at, found), found)
 
     def _see_sliding(self, frames: Frames, at: tuple[int, int], there: Integers) -> None:
-        load = self._scenario.loads[self._loads[at[0]]]
+        load = self._load(at[0])
         if not there.size or not isinstance(load.travel, FreeTravel):
             return
         needed = np.nan_to_num(frames.of["contact_friction"][there, at[0]], posinf=0.0)
         needed[frames.of["contact_state"][there, at[0]] != MOVES] = 0.0
-        count, i = int((needed > load.travel.friction + _MORE).sum()), int(needed.argmax())
-        before, most, when = self._slid.get(at, (0, 0.0, 0.0))
+        speed, i = frames.of["contact_speed"][there, at[0]], int(needed.argmax())
+        large = needed > load.travel.friction + _MORE
+        ahead, back, most, when = self._slid.get(at, (0, 0, 0.0, 0.0))
         if needed[i] > most:
             most, when = float(needed[i]), float(frames.path[there[i]])
-        self._slid[at] = before + count, most, when
+        self._slid[at] = (
+            ahead + int((large & (speed > 0.0)).sum()),
+            back + int((large & (speed < 0.0)).sum()),
+            most,
+            when,
+        )
+
+    def _slides(self, at: tuple[int, int]) -> bool:
+        """Whether a body slides to and fro at an attachment with more friction than it has."""
+        return min(self._slid.get(at, (0, 0))[:2]) >= _BOTH
 
     def blamed(self, k: int, xi: Array) -> NDArray[np.bool_]:
-        """Return whether contact `k` is where a held point spoils its motion, of each of its coordinates `xi`, m."""
+        """Return whether contact `k` is where an attachment spoils its motion, of each of its coordinates `xi`, m."""
         found, points = np.zeros(xi.size, dtype=np.bool_), self._points.get(k, ())
-        free = bool(points) and isinstance(self._scenario.loads[self._loads[k]].travel, FreeTravel)
-        for p, point in enumerate(points):
-            if not free or self._slid.get((k, p), (0,))[0] >= _RESOLVED:
-                found |= np.abs(xi - point.xi) < (_AT if free else 1.0) * point.reach
+        free = bool(points) and isinstance(self._load(k).travel, FreeTravel)
+        for point in points:
+            found |= np.abs(xi - point.xi) < (_CLOSE if free else 1.0) * point.reach
         return found
 
     def doubts(self, force: Array) -> Iterator[Doubt]:
-        """Find the loads whose driving force has a peak at a held point, or that slide at one.
+        """Find the loads whose driving force has a peak at an attachment, or that slide at one.
 
         Args:
             force: (sample, contact) N, of contacts.
@@ -126,33 +143,35 @@ class HeldPointWatch:
         reported = set[str]()
         for (k, p), (low, high) in self._crossed.items():
             name = self._loads[k]
-            free = isinstance(self._scenario.loads[name].travel, FreeTravel)
+            free = isinstance(self._load(k).travel, FreeTravel)
             crosses = low <= 0.0 <= high and high - low > _AT * self._points[k][p].reach
-            found = self._sliding(k, p) if free else self._crossing(k, p, force[:, k]) if crosses else None
+            found = self._sliding(k, p) if free else self._crossing(k, p, force) if crosses else None
             if found is not None and name not in reported:
                 reported.add(name)
                 yield found
 
     def _sliding(self, k: int, p: int) -> Doubt | None:
-        count, most, when = self._slid.get((k, p), (0, 0.0, 0.0))
-        if count < _RESOLVED:
+        if not self._slides((k, p)):
             return None
-        load, point = self._scenario.loads[self._loads[k]], self._points[k][p]
+        most, when = self._slid[k, p][2:]
+        load, point = self._load(k), self._points[k][p]
         what = (
             f"load {self._layout.contact_load[k]} slides at {point.name} of line {load.on}, xi = {point.xi:.4g} m: "
             f"its tensions need a friction coefficient of {most:.3g} at t = {when:.4g} s (travel.friction is "
             f"{load.travel.friction:.3g})"
         )
-        cause = "a body that slides over a held point of a rope gains energy there"
+        cause = "a body that slides over an attachment of a rope gains energy there"
         return Doubt(what, cause, f"loads.{self._loads[k]}.travel", self.remedy_for(k))
 
     def _crossing(self, k: int, p: int, force: Array) -> Doubt | None:
-        load, point = self._scenario.loads[self._loads[k]], self._points[k][p]
-        pressing = force[np.nan_to_num(force) > 0.0]
-        typical = float(np.median(pressing)) if pressing.size else 0.0
+        load, point = self._load(k), self._points[k][p]
+        typical, whole = _typical(force[:, k]), sum(
+            _typical(force[:, j]) for j, name in enumerate(self._loads) if name == self._loads[k]
+        )  # fmt: skip
         drive, contact, when = self._peak.get((k, p), (0.0, 0.0, 0.0))
-        shown = self._frames[k, p] >= _RESOLVED or load.travel.measured == "horizontal"
-        if drive <= typical and contact <= _TIMES * typical and shown:
+        horizontal = load.travel.measured == "horizontal"
+        peaks = drive > (_CLEARLY * whole if horizontal else typical) or contact > _TIMES * whole
+        if not peaks and (horizontal or self._frames[k, p] >= _RESOLVED):
             return None
         what = f"load {self._layout.contact_load[k]} crosses {point.name} of line {load.on} at xi = {point.xi:.4g} m"
         if drive > typical:
@@ -166,10 +185,12 @@ class HeldPointWatch:
         return Doubt(what, cause, f"loads.{self._loads[k]}.travel", self.remedy_for(k))
 
     def remedy_for(self, k: int) -> str:
-        """Return the changes that make contact `k` right at held points, without those that its load has already."""
-        load = self._scenario.loads[self._loads[k]]
+        """Return the changes that make contact `k` right at attachments, without those that its load has already."""
+        load = self._load(k)
         if isinstance(load.travel, FreeTravel):
-            return f"write travel.from at least one link, {self._points[k][0].reach:.3g} m, away from it"
+            if any(self._slides((k, p)) for p in range(len(self._points[k]))):
+                return f"write travel.from at least one link, {self._points[k][0].reach:.3g} m, away from it"
+            return f"write more elements for line {load.on} (lines.{load.on}.elements)"
         wheels = getattr(load, "wheels", {}).values()
         soft = any(getattr(each, "contact_stiffness", None) is not None for each in (load, *wheels))
         free = f"write {_DRIVER}" if load.kind in _MAY_BE_FREE else ""
@@ -178,3 +199,9 @@ class HeldPointWatch:
             remedy = f"write travel.measured: horizontal (travel.from becomes a horizontal distance){more}"
             return f"{remedy}, or {free}" if free else remedy
         return "leave contact_stiffness out" if soft else free or f"give lines.{load.on} a bending_stiffness"
+
+
+def _typical(force: Array) -> float:
+    """Return the median of the contact forces of a contact while it presses, N."""
+    pressing = force[np.nan_to_num(force) > 0.0]
+    return float(np.median(pressing)) if pressing.size else 0.0
