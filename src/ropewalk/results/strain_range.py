@@ -34,7 +34,9 @@ class StrainRangeWatch:
         self._low = np.array([self._ranges[name].low for name in layout.link_line])
         self._high = np.array([self._ranges[name].high for name in layout.link_line])
         self._worst = dict[str, tuple[float, float, int, float, float, float]]()
-        self._widths = {name: _stiffness_per_width(scenario.nets[name]) for name in dict.fromkeys(layout.cell_net)}
+        self._widths = {
+            name: _stiffness_per_width(net) for name, net in scenario.nets.items() if name in layout.cell_net
+        }
         self._sheets = dict[str, tuple[float, float, float]]()  # strain, tension per width in N/m, path
 
     def see(self, frames: Frames) -> None:
