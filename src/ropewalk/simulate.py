@@ -214,7 +214,8 @@ def run_of(scenario: Scenario, run_info: RunInfo, times: Array | None = None, pa
     run_info.warnings += check_samples(scenario)
     scenario = _formed(scenario)
     run = scenario.run
-    if scenario.has_bending_stiffness and engine_of(scenario) in (SYSTEM, SUPERPOSED):
+    run_info.on_splines = engine_of(scenario) in (SYSTEM, SUPERPOSED)
+    if scenario.has_bending_stiffness and run_info.on_splines:
         run_info.curvature = SPLINE
     if isinstance(run, Dynamic):
         times = output_times(run) if times is None else times

@@ -14,6 +14,7 @@ from ropewalk.model.plausibility import implausible
 from ropewalk.results.audit import AUDIT, turnover
 from ropewalk.results.axial_restraint import AxialRestraintWatch
 from ropewalk.results.calm import started_too_close
+from ropewalk.results.close_contacts import CloseContactsWatch
 from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Array, Doubt, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.ground import GroundWatch
@@ -115,6 +116,7 @@ class Watch:
         self._over_ground, self._lost_contact = GroundWatch(layout, scenario), LostContactWatch(layout, scenario)
         self._hanging = HangingWatch(layout, scenario)
         self._ranges = StrainRangeWatch(layout, scenario), AxialRestraintWatch(layout, scenario)
+        self._close = CloseContactsWatch(layout, scenario)
         self._force = array("d")  # on the line, of each sample and contact, N
         self._instants = array("d")  # of these samples, s
         self._tension = array("d")  # largest, of each frame, N
@@ -135,7 +137,7 @@ class Watch:
         self._over_ground.see(frames)
         self._lost_contact.see(frames)
         self._hanging.see(frames)
-        for watch in self._ranges:
+        for watch in (*self._ranges, self._close):
             watch.see(frames)
         self._been |= on.any(axis=0)
         fastest = np.fmax.accumulate(np.concatenate([self._fastest[None], self._in_waves(of)]))[1:]
@@ -164,11 +166,13 @@ class Watch:
         if self._times:
             force = np.array(self._force).reshape(len(self._instants), len(self.loads))
             run_info.doubts += [doubt for doubt in self._doubts(run_info, force) if doubt not in run_info.doubts]
-            run_info.warnings += [remark for remark in self._diagnostics(force) if remark not in run_info.warnings]
+            found = [*self._diagnostics(force), *self._close.messages(run_info)]
+            run_info.warnings += [remark for remark in found if remark not in run_info.warnings]
 
     def _doubts(self, run_info: RunInfo, force: Array) -> Iterator[Doubt]:
         yield from self._absent(force)
         yield from self._strengths.doubts()
+        yield from self._close.doubts(run_info)
         if self.layout.path == "time":
             if not run_info.audit and len(self._times) > 1:
                 yield from self._balance.doubts()
