@@ -37,6 +37,7 @@ from ropewalk.results.frame import SPLINE, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.running import Known, MotionEngine, Run, StaticEngine, Statics, TimeHistory, followed
 from ropewalk.solve.load_schedule import horizon
+from ropewalk.start_positions import located
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -230,16 +231,22 @@ def run_of(scenario: Scenario, run_info: RunInfo, times: Array | None = None, pa
 
 
 def _formed(scenario: Scenario) -> Scenario:
-    """The same with rows of hangers as lines, crowds as their people, and trains as their vehicles."""
+    """Return a scenario with hangers as lines, crowds as people, trains as vehicles, and starts along lines."""
     if any(isinstance(load, Crowd | Train) for load in scenario.loads.values()):
         loads = assembled(scenario.loads, scenario.run)
         loads = with_people(loads, scenario.lines, scenario.overhead_lines, scenario.nets)
         scenario = scenario.model_copy(update={"loads": loads})
-    if not scenario.hangers:
-        return scenario
-    from ropewalk.system.equilibrium.form_finding import formed  # lazy: most runs do not need it
+    if scenario.hangers:
+        from ropewalk.system.equilibrium.form_finding import formed  # lazy: most runs do not need it
 
-    return formed(scenario)
+        scenario = formed(scenario)
+    return located(scenario, _at_rest)
+
+
+def _at_rest(scenario: Scenario) -> tuple[Layout, Frame]:
+    """Return the equilibrium of a scenario."""
+    layout, frames, _ = iterate(scenario, RunInfo())
+    return layout, next(frames)
 
 
 def _motion(scenario: Scenario, run: Dynamic, run_info: RunInfo, times: Array, past: Tree | None) -> MotionEngine:

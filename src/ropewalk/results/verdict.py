@@ -23,6 +23,7 @@ from ropewalk.results.lost_contact import LostContactWatch
 from ropewalk.results.peaks import beside, lonely, missed, sharp, too_far_apart
 from ropewalk.results.pushing import PushWatch
 from ropewalk.results.roof_springs import stiff_below
+from ropewalk.results.start_position import StartPositionWatch
 from ropewalk.results.strain_range import StrainRangeWatch
 from ropewalk.results.strength import StrengthWatch
 from ropewalk.results.sudden_wind import blows_at_once
@@ -115,7 +116,11 @@ class Watch:
         self._pushing = PushWatch(layout, scenario)
         self._over_ground, self._lost_contact = GroundWatch(layout, scenario), LostContactWatch(layout, scenario)
         self._hanging = HangingWatch(layout, scenario)
-        self._ranges = StrainRangeWatch(layout, scenario), AxialRestraintWatch(layout, scenario)
+        self._others = (
+            StrainRangeWatch(layout, scenario),
+            AxialRestraintWatch(layout, scenario),
+            StartPositionWatch(layout, scenario),
+        )
         self._close = CloseContactsWatch(layout, scenario)
         self._force = array("d")  # on the line, of each sample and contact, N
         self._instants = array("d")  # of these samples, s
@@ -137,7 +142,7 @@ class Watch:
         self._over_ground.see(frames)
         self._lost_contact.see(frames)
         self._hanging.see(frames)
-        for watch in (*self._ranges, self._close):
+        for watch in (*self._others, self._close):
             watch.see(frames)
         self._been |= on.any(axis=0)
         fastest = np.fmax.accumulate(np.concatenate([self._fastest[None], self._in_waves(of)]))[1:]
@@ -287,7 +292,7 @@ class Watch:
         yield from stiff_below(self.scenario)
         yield from blows_at_once(self.scenario)
         yield from implausible(self.scenario)
-        for watch in self._ranges:
+        for watch in self._others:
             yield from watch.messages()
         yield from self._between_instants()
         yield from self._pushing.messages()
