@@ -31,7 +31,6 @@ from ropewalk.model.people import with_people
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_of
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.train import Train
-from ropewalk.overhead.sample_range import check_samples
 from ropewalk.results.files import open_result
 from ropewalk.results.frame import SPLINE, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
@@ -212,7 +211,7 @@ def run_of(scenario: Scenario, run_info: RunInfo, times: Array | None = None, pa
         times: of a motion, its output instants in s (default: those that it asks for).
         past: what such a run has given as its state, to go on from there.
     """
-    run_info.warnings += check_samples(scenario)
+    run_info.warnings += sample_warnings(scenario)
     scenario = _formed(scenario)
     run = scenario.run
     run_info.on_splines = engine_of(scenario) in (SYSTEM, SUPERPOSED)
@@ -241,6 +240,16 @@ def _formed(scenario: Scenario) -> Scenario:
 
         scenario = formed(scenario)
     return located(scenario, _at_rest)
+
+
+def sample_warnings(scenario: Scenario) -> list[str]:
+    """Return warnings about irregularities and profiles from files; refuse samples that lie off their lines."""
+    irregular = (getattr(load, "irregularity", None) for load in scenario.loads.values())
+    if not any(irregular) and not any(line.profile for line in scenario.lines.values()):
+        return []
+    from ropewalk.overhead.sample_range import check_samples  # lazy: most runs have no such file
+
+    return check_samples(scenario)
 
 
 def _at_rest(scenario: Scenario) -> tuple[Layout, Frame]:

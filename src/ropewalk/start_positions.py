@@ -60,7 +60,7 @@ def located(scenario: Scenario, rest: Callable[[Scenario], tuple[Layout, Frame]]
 
 def _position(scenario: Scenario, name: str) -> float:
     """Return where a load begins, as its travel measures it, m."""
-    load = scenario.loads[name]
+    load: Any = scenario.loads[name]
     return float(getattr(load, "travel", load).start)
 
 

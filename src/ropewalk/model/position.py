@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import core_schema
@@ -14,10 +14,6 @@ from ropewalk.model._base import Finding
 from ropewalk.model.quantity import Quantity
 from ropewalk.model.run import Dynamic, Linear
 from ropewalk.units import written
-
-if TYPE_CHECKING:
-    from ropewalk.model.line import Line
-    from ropewalk.model.parts import Parts
 
 MIDDLE = "middle"
 
@@ -86,7 +82,7 @@ def begun_at(load: Any, start: float) -> Any:
     return load.model_copy(update={"start": start})
 
 
-def estimated(loads: Mapping[str, Any], lines: Mapping[str, Line]) -> dict[str, Any]:
+def estimated(loads: Mapping[str, Any], lines: Mapping[str, Any]) -> dict[str, Any]:
     """Return loads with estimates of starts that are given in x: as if the line lay along its chord."""
     found = dict(loads)
     for name, load in loads.items():
@@ -101,7 +97,7 @@ def estimated(loads: Mapping[str, Any], lines: Mapping[str, Line]) -> dict[str, 
     return found
 
 
-def check_positions(parts: Parts) -> Iterator[Finding]:
+def check_positions(parts: Any) -> Iterator[Finding]:
     """Find starts in x where no line has that x, or where it is not known."""
     for name, load in parts.loads.items():
         at = position_in_x(load)
@@ -127,6 +123,6 @@ def check_positions(parts: Parts) -> Iterator[Finding]:
                 yield Finding(key, wrong, str(at), "write an x in between, or the length along the line in m")
 
 
-def _rests(parts: Parts) -> bool:
+def _rests(parts: Any) -> bool:
     """Return whether a run begins with its loads in equilibrium on their lines."""
-    return parts.run.start.with_loads if isinstance(parts.run, Dynamic) else not isinstance(parts.run, Linear)
+    return bool(parts.run.start.with_loads) if isinstance(parts.run, Dynamic) else not isinstance(parts.run, Linear)

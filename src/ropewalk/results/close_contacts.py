@@ -67,8 +67,8 @@ class CloseContactsWatch:
 
     def _link(self, name: str) -> float:
         """Return the length of a link, m."""
-        own = np.array(self._layout.node_xi)[np.array(self._layout.node_line) == name]
-        return float(np.ptp(own)) / max(own.size - 1, 1) * (1.0 - 1e-9)
+        own: Array = np.array(self._layout.node_xi)[np.array(self._layout.node_line) == name]
+        return float(own.max() - own.min()) / max(int(own.size) - 1, 1) * (1.0 - 1e-9)
 
     def _bearing(self, name: str, pull: Array) -> Array:
         """Return tension and bending stiffness over the square of a link, N, which bear a force on a link."""

@@ -39,15 +39,20 @@ class StartPositionWatch:
         """Yield a warning for each load that stands elsewhere by a relevant part of the span."""
         for name, load in self._scenario.loads.items():
             line, travel = self._scenario.lines.get(load.on), getattr(load, "travel", load)
-            if line is None or position_in_x(load) is not None or getattr(load, "also_on", ()) or not load.starts():
+            if (
+                line is None
+                or position_in_x(load) is not None
+                or (load.kind == "trolley" and load.also_on)
+                or not load.starts()
+            ):
                 continue
             measured, start = load.starts()[0].measured, float(getattr(travel, "start", math.nan))
             contact = self._contact(name, load, start)
             if contact is None or measured == "horizontal" or _is_intended(line, start):
                 continue
             place, reach = contact
-            level = np.subtract(line.end[:-1], line.start[:-1])
-            span = float(np.hypot(*level, 0.0) if level.size == 1 else np.hypot(*level))
+            level: Array = np.array(line.end[:-1]) - np.array(line.start[:-1])
+            span = float(np.linalg.norm(level))
             if span == 0.0:
                 continue
             along = float((place[: level.size] - np.array(line.start[:-1])) @ level) / span
