@@ -12,7 +12,7 @@ from ropewalk.model.line import Line
 if TYPE_CHECKING:
     from ropewalk.model.scenario import Scenario
 
-METAL, FASTEST = 2e3, 2e4  # m/s; axial waves of steel, aramid and carbon move at 2 to 12 km/s, of diamond at 18 km/s
+METAL, FASTEST = 2.7e3, 2e4  # m/s; axial waves move at 2.8 to 5 km/s in steel ropes and bars, 18 km/s in diamond
 RUBBER = 200.0  # m/s; of rubber and springs they are slower
 _HEAVY = 0.1  # strain by the own weight of a line that hangs vertically; less than 0.01 for ropes of 1 km
 _LOOSE = 0.5  # sag over span at the given tension; lines that are given by their tension have less than 0.2
