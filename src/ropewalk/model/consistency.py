@@ -31,6 +31,7 @@ from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
 from ropewalk.model.people import of_crowds
 from ropewalk.model.places import meetings, reach, travels
+from ropewalk.model.position import check_positions
 from ropewalk.model.run import Dynamic, Linear, Quasistatic, every_of
 from ropewalk.model.settings import check_settings
 from ropewalk.model.small import check_overhead
@@ -70,6 +71,7 @@ def check(parts: Parts) -> list[Finding]:
             check_mesh,
             check_space,
             check_beginning,
+            check_positions,
             _travels,
             meetings,
             check_crossing,

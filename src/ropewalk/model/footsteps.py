@@ -12,7 +12,8 @@ from pydantic_core import core_schema
 from ropewalk.errors import Refused, did_you_mean
 from ropewalk.model._base import Declaration, Finding, report
 from ropewalk.model.balance import SIDEWAYS, Balance
-from ropewalk.model.quantity import Angle, Frequency, PositiveLength, PositiveMass, Share, Station, Way
+from ropewalk.model.position import Start
+from ropewalk.model.quantity import Angle, Frequency, PositiveLength, PositiveMass, Share, Way
 from ropewalk.model.travel import ON_NETS, Place
 
 MOST_OVERLAP = 0.5
@@ -99,10 +100,11 @@ class Footsteps(Declaration):
         description="part of a step during which both feet stand, up to 0.5; 0.2 is ordinary walking, in which a foot "
         "stands for 60 % of a stride of two steps (Perry, Gait Analysis, 1992)",
     )
-    start: Station = Field(
+    start: Start = Field(
         default=0.0,
         alias="from",
-        description="unstrained length from the start to the first foot; negative: before the line",
+        description="unstrained length from the start to the first foot; negative: before the line; {x: 5 m} or "
+        "middle: as of prescribed travel",
     )
     towards: Literal["end", "start"] = Field(default="end", description="end of the line towards which it steps")
     at_end: Literal["refuse", "leave", "stay", "again"] = Field(

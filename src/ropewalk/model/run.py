@@ -69,7 +69,7 @@ class Start(Declaration):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         findings = []
-        own = {"rest": ("with_loads", "in_wind"), "result": ("file", "time")}
+        own: dict[str, tuple[str, ...]] = {"rest": ("with_loads", "in_wind"), "result": ("file", "time")}
         own["mode"] = ("number", "amplitude", "direction", "whirl", "line")
         for kind, keys in own.items():
             for key in keys:

@@ -22,6 +22,7 @@ from ropewalk.model.outputs import Outputs
 from ropewalk.model.overhead import CONTACT_WIRE, OverheadLine
 from ropewalk.model.parts import Parts
 from ropewalk.model.people import with_people
+from ropewalk.model.position import estimated
 from ropewalk.model.quantity import Acceleration, Name
 from ropewalk.model.run import Dynamic, Run
 from ropewalk.model.space import leaving
@@ -58,6 +59,7 @@ class Scenario(Declaration):
         findings = list(check_hangers(self.hangers, self.lines, self.gravity))
         if findings:
             report("scenario", findings)
+        object.__setattr__(self, "loads", estimated(self.loads, self.lines))
         parts = crossed(self.parts)
         object.__setattr__(self, "run", parts.run)
         report("scenario", [*self._refined(), *map(self._in_its_row, check(parts))])

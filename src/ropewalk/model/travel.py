@@ -10,15 +10,14 @@ from pydantic import BeforeValidator, Field, model_validator
 from ropewalk.model._base import Declaration, Finding, Variants, report
 from ropewalk.model.contact import FrictionModel
 from ropewalk.model.history import DriveHistory, SpeedHistory
+from ropewalk.model.position import Start, StartOffset
 from ropewalk.model.quantity import (
     FrictionCoefficient,
-    Offset,
     PositiveForce,
     PositiveLength,
     PositiveStiffness,
     PositiveViscosity,
     Speed,
-    Station,
     Viscosity,
     Way,
 )
@@ -53,12 +52,13 @@ class Course(Declaration):
 class Travel(Course):
     """A prescribed advance: speed, its measure, where it begins, what happens at the end of the line."""
 
-    start: Station = Field(
+    start: Start = Field(
         default=0.0,
         alias="from",
         description="distance from the start of the line: material length for `material`, "
         "arc length at rest for `slip` and `arc`, horizontal distance for `horizontal`; negative: before it, from "
-        "where vehicles roll on to a line that they leave at its end",
+        "where vehicles roll on to a line that they leave at its end; {x: 5 m} or middle: where the line has that x, "
+        "or the middle of its span, in the state in which the run begins",
     )
     at_end: AtEnd = Field(
         default="refuse",
@@ -113,7 +113,11 @@ class FreeTravel(Declaration):
     """
 
     kind: Literal["free"] = "free"
-    start: Offset = Field(default=0.0, alias="from", description="unstrained length from the start of the line")
+    start: StartOffset = Field(
+        default=0.0,
+        alias="from",
+        description="unstrained length from the start of the line; {x: 5 m} or middle: as of prescribed travel",
+    )
     speed: Speed = Field(default=0.0, description="at the beginning, along the line; negative: towards the start")
     friction: FrictionCoefficient = Field(default=0.0, description="coefficient of the sliding contact")
     friction_model: FrictionModel = Field(

@@ -11,10 +11,10 @@ from pydantic import Field, model_validator
 from ropewalk.model._base import Declaration, Finding, report
 from ropewalk.model.balance import SIDEWAYS, Balance
 from ropewalk.model.footsteps import FirstFoot
+from ropewalk.model.position import StartOffset
 from ropewalk.model.quantity import (
     Angle,
     Mass,
-    Offset,
     PositiveLength,
     PositiveMass,
     PositiveSpeed,
@@ -51,7 +51,11 @@ class Walker(Declaration):
         default=None, description="how the feet are placed to the side (default: all of them on the line itself)"
     )
     first_foot: FirstFoot = Field(default="left", description="the foot that stands at the beginning: left or right")
-    start: Offset = Field(default=0.0, alias="from", description="unstrained length from the start to the first foot")
+    start: StartOffset = Field(
+        default=0.0,
+        alias="from",
+        description="unstrained length from the start to the first foot; {x: 5 m} or middle: as of prescribed travel",
+    )
     towards: Literal["end", "start"] = Field(default="end", description="end of the line towards which it walks")
     at_end: AtEnd = Field(
         default="leave",

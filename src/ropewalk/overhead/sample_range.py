@@ -47,7 +47,9 @@ def check_samples(scenario: Scenario) -> list[str]:
 
 def _files(scenario: Scenario) -> Iterator[_Samples]:
     for name, load in scenario.loads.items():
-        for line, file in load.irregularities.items() if isinstance(load, Pantograph) else ():
+        if not isinstance(load, Pantograph):
+            continue
+        for line, file in load.irregularities.items():
             if line in scenario.overhead_lines:
                 key = f"loads.{name}.irregularity" + ("" if isinstance(load.irregularity, str) else f".{line}")
                 yield _Samples(key, Path(file), line, 0.0, scenario.overhead_lines[line].length, True)

@@ -197,6 +197,7 @@ class RunInfo:
     doubts: list[Doubt] = field(default_factory=list)  # reasons not to trust the run
     mesh: dict[str, str | float] = field(default_factory=dict)  # attributes that tell of its error, if asked for
     window: dict[str, float] = field(default_factory=dict)  # attributes that tell of its width and its error
+    on_splines: bool = False  # whether contacts act on splines, each with a kink of its own
     curvature: str = ""  # of bending: `SPLINE`, `MEAN`, or by second differences
     static: dict[str, dict[str, float]] = field(default_factory=dict)  # largest static values of lines, if asked for
 

@@ -34,16 +34,18 @@ class StrainRangeWatch:
         self._low = np.array([self._ranges[name].low for name in layout.link_line])
         self._high = np.array([self._ranges[name].high for name in layout.link_line])
         self._worst = dict[str, tuple[float, float, int, float, float, float]]()
-        self._widths = {name: _stiffness_per_width(scenario.nets[name]) for name in dict.fromkeys(layout.cell_net)}
-        self._sheets = dict[str, tuple[float, float, float]]()  # strain, tension per width in N/m, path
+        self._widths = {
+            name: _stiffness_per_width(net) for name, net in scenario.nets.items() if name in layout.cell_net
+        }
+        self._surfaces = dict[str, tuple[float, float, float]]()  # strain, tension per width in N/m, path
 
     def see(self, frames: Frames) -> None:
         """Take note of frames."""
         for name, stiffness in self._widths.items():
             pull = np.nan_to_num(frames.of["cell_tension"][:, np.array(self._layout.cell_net) == name].max(axis=(1, 2)))
-            i = int(pull.argmax())
-            found = float(pull[i]) / stiffness, float(pull[i]), float(frames.path[i])
-            self._sheets[name] = max(self._sheets.get(name, found), found)
+            most = int(pull.argmax())
+            found = float(pull[most]) / stiffness, float(pull[most]), float(frames.path[most])
+            self._surfaces[name] = max(self._surfaces.get(name, found), found)
         strain = np.nan_to_num(frames.of["strain"])
         beyond = np.maximum(strain - self._high, self._low - strain)
         if not beyond.size or beyond.max() <= _EPS:
@@ -64,7 +66,7 @@ class StrainRangeWatch:
     def messages(self) -> Iterator[str]:
         """Yield a warning for each line, with place, instant, strain, tension, limit and remedy."""
         when, unit = ("t =", "s") if self._layout.path == "time" else ("load path", "m")
-        for name, (strain, pull, path) in self._sheets.items():
+        for name, (strain, pull, path) in self._surfaces.items():
             known_high, reason = known_strain(_speed(self._scenario.nets[name]))
             if strain > known_high:
                 yield (

@@ -15,6 +15,7 @@ from ropewalk.results.attachments import AttachmentWatch
 from ropewalk.results.audit import ROUNDING
 from ropewalk.results.axial_restraint import AxialRestraintWatch
 from ropewalk.results.calm import started_too_close
+from ropewalk.results.close_contacts import CloseContactsWatch
 from ropewalk.results.energy_balance import RESIDUAL, EnergyWatch
 from ropewalk.results.frame import OFF_LINE, Array, Doubt, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
@@ -24,6 +25,7 @@ from ropewalk.results.lost_contact import LostContactWatch
 from ropewalk.results.peaks import beside, lonely, missed, sharp, too_far_apart
 from ropewalk.results.pushing import PushWatch
 from ropewalk.results.roof_springs import stiff_below
+from ropewalk.results.start_position import StartPositionWatch
 from ropewalk.results.strain_range import StrainRangeWatch
 from ropewalk.results.strength import StrengthWatch
 from ropewalk.results.sudden_wind import blows_at_once
@@ -63,7 +65,12 @@ class Watch:
         self._pushing = PushWatch(layout, scenario)
         self._over_ground, self._lost_contact = GroundWatch(layout, scenario), LostContactWatch(layout, scenario)
         self._hanging = HangingWatch(layout, scenario)
-        self._ranges = StrainRangeWatch(layout, scenario), AxialRestraintWatch(layout, scenario)
+        self._others = (
+            StrainRangeWatch(layout, scenario),
+            AxialRestraintWatch(layout, scenario),
+            StartPositionWatch(layout, scenario),
+        )
+        self._close = CloseContactsWatch(layout, scenario)
         self._force = array("d")  # on the line, of each sample and contact, N
         self._instants = array("d")  # of these samples, s
         self._tension = array("d")  # largest, of each frame, N
@@ -84,7 +91,7 @@ class Watch:
         self._over_ground.see(frames)
         self._lost_contact.see(frames)
         self._hanging.see(frames)
-        for watch in self._ranges:
+        for watch in (*self._others, self._close):
             watch.see(frames)
         self._been |= on.any(axis=0)
         self._attachments.see(frames)
@@ -110,13 +117,13 @@ class Watch:
             run_info.warnings[:] = [text for text in run_info.warnings if not text.startswith(RESIDUAL)]  # of a part
             force = np.array(self._force).reshape(len(self._instants), len(self.loads))
             run_info.doubts += [doubt for doubt in self._doubts(run_info, force) if doubt not in run_info.doubts]
-            run_info.warnings += [
-                remark for remark in self._diagnostics(run_info, force) if remark not in run_info.warnings
-            ]
+            found = [*self._diagnostics(run_info, force), *self._close.messages(run_info)]
+            run_info.warnings += [warning for warning in found if warning not in run_info.warnings]
 
     def _doubts(self, run_info: RunInfo, force: Array) -> Iterator[Doubt]:
         yield from self._absent(force)
         yield from self._strengths.doubts()
+        yield from self._close.doubts(run_info)
         if self.layout.path == "time":
             yield from (attached := list(self._attachments.doubts(force)))
             if not run_info.audit and len(self._times) > 1:
@@ -219,7 +226,7 @@ class Watch:
         yield from stiff_below(self.scenario)
         yield from blows_at_once(self.scenario)
         yield from implausible(self.scenario)
-        for watch in self._ranges:
+        for watch in self._others:
             yield from watch.messages()
         yield from self._between_instants()
         yield from self._pushing.messages()

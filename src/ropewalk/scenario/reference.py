@@ -157,6 +157,8 @@ def _value(schema: dict[str, Any], links: _Links) -> str:
         return f"{len(schema['prefixItems'])} of: {_value(schema['prefixItems'][0], links)}"
     if kind == "array":
         return f"list of {_value(schema['items'], links)}"
+    if kind == "object" and "properties" in schema:
+        return f"`{{{', '.join(f'{key}: ...' for key in schema['properties'])}}}`"
     if kind == "object":
         inner = schema.get("additionalProperties")
         return f"names, each with {_value(inner, links)}" if isinstance(inner, dict) else "names, each with a value"

@@ -21,6 +21,8 @@ from ropewalk.system.elements.surfaces import Surfaces
 _AT_RIM = 1e-6
 # Cells up to which vertices share a place, the fewest of them, and the condition from which on they cannot.
 _FAR, _FEWEST, _FLAT = 2.2, 10, 1e8
+# Links of a path to a cell: coarse ones would spread a force over cells, by where the path happens to begin.
+_FINE = 8.0
 # Stiffness of a contact, over that of the fabric below.
 STIFF = 10.0
 
@@ -136,7 +138,7 @@ def patch(surface: Surface, place: Array) -> tuple[Integers, Array] | None:
 
 
 def _segments(load: str, sheet: MembraneMesh, path: Array) -> Iterator[PathPiece]:
-    """The straight pieces of a path (corner, 2) in m along the sides of a sheet, in links as long as cells are wide."""
+    """Yield the straight pieces of a path (corner, 2) in m along the sides of a sheet, in links shorter than cells."""
     corners = sheet.in_plan(path)
     for corner in corners:
         sheet.cell_at(corner, f"loads: {load}: its path")
@@ -145,7 +147,7 @@ def _segments(load: str, sheet: MembraneMesh, path: Array) -> Iterator[PathPiece
     begin = 0.0
     for one, other, length in zip(corners[:-1], corners[1:], lengths, strict=True):
         if length > 0.0:
-            links = max(1, round(float(np.hypot(*(other - one))) / size))
+            links = max(1, round(_FINE * float(np.hypot(*(other - one))) / size))
             part = np.linspace(0.0, 1.0, links + 1)[:, None]
             yield PathPiece(load, one + part * (other - one), begin, float(length) / links, firm)
             begin += float(length)

@@ -1,0 +1,101 @@
+"""Loads whose start is measured along their line, and that stand elsewhere in x."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ropewalk.model.position import position_in_x
+from ropewalk.results.frame import Array, Layout
+from ropewalk.results.frames import Frames
+
+if TYPE_CHECKING:
+    from ropewalk.model import AnyLoad, Line, Scenario
+
+_MUCH = 0.02  # of the span; to stand a foot or two off the middle of a highline is nothing to ask about
+
+
+class StartPositionWatch:
+    """Compares where loads stand in the first frame with where their starts would be along the chord.
+
+    Args:
+        layout: of the frames.
+        scenario: what is run.
+    """
+
+    def __init__(self, layout: Layout, scenario: Scenario) -> None:
+        self._layout, self._scenario = layout, scenario
+        self._first: tuple[Array, Array] | None = None  # positions and xi of contacts, m
+
+    def see(self, frames: Frames) -> None:
+        """Take note of frames."""
+        if self._first is None:
+            self._first = frames.of["contact_position"][0].copy(), frames.of["contact_xi"][0].copy()
+
+    def messages(self) -> Iterator[str]:
+        """Yield a warning for each load that stands elsewhere by a relevant part of the span."""
+        for name, load in self._scenario.loads.items():
+            line, travel = self._scenario.lines.get(load.on), getattr(load, "travel", load)
+            if (
+                line is None
+                or position_in_x(load) is not None
+                or (load.kind == "trolley" and load.also_on)
+                or not load.starts()
+            ):
+                continue
+            measured, start = load.starts()[0].measured, float(getattr(travel, "start", math.nan))
+            contact = self._contact(name, load, start)
+            if contact is None or measured == "horizontal" or _is_intended(line, start):
+                continue
+            place, reach = contact
+            level: Array = np.array(line.end[:-1]) - np.array(line.start[:-1])
+            span = float(np.linalg.norm(level))
+            if span == 0.0:
+                continue
+            along = float((place[: level.size] - np.array(line.start[:-1])) @ level) / span
+            away = min(abs(along - start), abs(along - start * span / line.distance))
+            if away > _MUCH * span:
+                key, known = f"loads.{name}.{'travel.' if travel is not load else ''}from", _known(line, reach)
+                where = f"x = {place[0]:.4g} m" + (
+                    f", y = {place[1]:.4g} m" if place.size == 3 and level.size > 1 else ""
+                )
+                yield (
+                    f"load {name} stands at {where}, {along:.4g} m from the start of {load.on} measured horizontally: "
+                    f"{key}: {start:.6g} m is measured along the {known}{_remedy(load, line, start)}"
+                )
+
+    def _contact(self, name: str, load: AnyLoad, start: float) -> tuple[Array, float] | None:
+        """Return the position of the contact that begins at the start of a load, and the last xi of its line, m."""
+        assert self._first is not None
+        own = [k for k, each in enumerate(self._layout.contact_load) if each.partition(".")[0] == name]
+        starts = load.starts()
+        pairs = list(zip(own, starts, strict=True)) if len(own) == len(starts) else [(k, starts[0]) for k in own[:1]]
+        at = next((k for k, place in pairs if place.start == start), None)
+        if at is None or not np.isfinite(self._first[0][at]).all():
+            return None
+        nodes = self._layout.node_xi[np.array(self._layout.node_line) == load.on]
+        return self._first[0][at], float(nodes.max(initial=0.0))
+
+
+def _is_intended(line: Line, start: float) -> bool:
+    """Return whether a start is plainly a part of a declared length, or of a way over sheaves, and not of the span."""
+    if line.sheaves or line.saddles:
+        return True
+    half = math.isclose(start, 0.5 * line.distance, rel_tol=1e-3)
+    return line.length is not None and line.length > line.distance and not half
+
+
+def _known(line: Line, length: float) -> str:
+    return f"unstrained line, which is {length:.4g} m long between supports {line.distance:.4g} m apart"
+
+
+def _remedy(load: AnyLoad, line: Line, start: float) -> str:
+    """Return the remedy, for loads and directions that have one."""
+    if load.kind in ("axles", "train", "stepper", "fmu", "matrices") or line.end[0] == line.start[0]:
+        return "; write the length along it at which the load is to begin"
+    part = start / line.distance * (line.end[0] - line.start[0])
+    x = line.start[0] + math.copysign(min(abs(start), abs(line.end[0] - line.start[0])), part)
+    return f"; write from: {{x: {x:.6g} m}} to begin there, or from: middle for the middle of the span"
