@@ -16,6 +16,7 @@ from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Array, Doubt, Frame, 
 from ropewalk.results.frames import Frames
 from ropewalk.results.ground import GroundWatch
 from ropewalk.results.hanging import HangingWatch
+from ropewalk.results.lifted_rope import LiftedRopeWatch
 from ropewalk.results.lost_contact import LostContactWatch
 from ropewalk.results.peaks import beside, lonely, missed, sharp, too_far_apart
 from ropewalk.results.pushing import PushWatch
@@ -109,7 +110,7 @@ class Watch:
         self._balance, self._strengths = _Balance(), StrengthWatch(layout, scenario)
         self._pushing = PushWatch(layout, scenario)
         self._over_ground, self._lost_contact = GroundWatch(layout, scenario), LostContactWatch(layout, scenario)
-        self._hanging = HangingWatch(layout, scenario)
+        self._hanging, self._lifted_rope = HangingWatch(layout, scenario), LiftedRopeWatch(layout, scenario)
         self._force = array("d")  # on the line, of each sample and contact, N
         self._instants = array("d")  # of these samples, s
         self._tension = array("d")  # largest, of each frame, N
@@ -130,6 +131,7 @@ class Watch:
         self._over_ground.see(frames)
         self._lost_contact.see(frames)
         self._hanging.see(frames)
+        self._lifted_rope.see(frames)
         self._been |= on.any(axis=0)
         fastest = np.fmax.accumulate(np.concatenate([self._fastest[None], self._in_waves(of)]))[1:]
         self._fastest = fastest[-1]
@@ -162,6 +164,7 @@ class Watch:
     def _doubts(self, run_info: RunInfo, force: Array) -> Iterator[Doubt]:
         yield from self._absent(force)
         yield from self._strengths.doubts()
+        yield from self._lifted_rope.doubts()
         if self.layout.path == "time":
             if not run_info.audit and len(self._times) > 1:
                 yield from self._balance.doubts()
@@ -279,6 +282,7 @@ class Watch:
         yield from self._over_ground.messages()
         yield from self._lost_contact.messages()
         yield from self._hanging.messages()
+        yield from self._lifted_rope.messages()
         run = self.scenario.run
         if run.kind != "dynamic" or run.start.kind != "rest" or run.start.with_loads:
             return
