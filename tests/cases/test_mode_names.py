@@ -14,7 +14,8 @@ from ropewalk.scenario import loads
 
 BEAM = """
 lines:
-  deck: {start: START, end: END, length: 20, mass: 100, bending_stiffness: 1 MN*m^2, axial_stiffness: 100 MN, elements: 12}
+  deck: {start: START, end: END, length: 20, mass: 100, bending_stiffness: 1 MN*m^2, axial_stiffness: 100 MN,
+    elements: 12}
 gravity: 0
 run: {kind: equilibrium}
 """

@@ -203,7 +203,7 @@ def show(
             "-o",
             "--output",
             metavar="FIG|FILM|REPORT|TABLE|PVD",
-            help="Write a .png, .svg, .pdf, .gif, .mp4, .html, .csv, .xlsx, .parquet, or a .pvd for ParaView; repeat it.",
+            help="Write .png, .svg, .pdf, .gif, .mp4, .html, .csv, .xlsx, .parquet, or .pvd for ParaView; repeat it.",
         ),
     ] = None,
     every: Annotated[

@@ -89,6 +89,6 @@ class LiftedRopeWatch:
                 links, radius = len(self._links[name]), line.saddles[key].radius
                 length = line.length or line.distance
                 count = max(math.ceil(_LINKS * length / radius), 2 * links)
-                what = f"line {name} is {-gap:.4g} m below the crown of saddle {key} at {self._at(when)}, without contact"
+                what = f"line {name} is {-gap:.4g} m below the crown of saddle {key} at {self._at(when)}, untouched"
                 cause = f"links of {length / links:.3g} m are too long for its groove of radius {radius:.4g} m"
                 yield Doubt(what, cause, f"lines.{name}.elements", f"write lines.{name}.elements: {count} or more")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from array import array
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ropewalk.results.after_start import falls
 from ropewalk.results.audit import AUDIT, turnover
 from ropewalk.results.calm import started_too_close
 from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Array, Doubt, Frame, Layout, RunInfo
@@ -24,7 +24,7 @@ from ropewalk.results.roof_springs import stiff_below
 from ropewalk.results.strength import StrengthWatch
 
 if TYPE_CHECKING:
-    from ropewalk.model import AnyLoad, Scenario
+    from ropewalk.model import Scenario
 
 AUDITED = ENERGY_FORMS.index(AUDIT)
 IMBALANCE = 0.05  # of the energy turned over: beyond it a run is doubtful
@@ -288,7 +288,7 @@ class Watch:
             return
         for name in dict.fromkeys(self.loads):
             load = self.scenario.loads.get(name)
-            if load is None or load.on in self.scenario.nets or load.kind in _GROWING or _falls(load):
+            if load is None or load.on in self.scenario.nets or load.kind in _GROWING or falls(load):
                 continue
             on, k = self.scenario.carrier_of(load), self.loads.index(name)
             if load.kind in _DECIDING and not self._presses_at_once(force, name):
@@ -329,13 +329,6 @@ def _runs_of(names: Sequence[str]) -> tuple[list[str], list[int]]:
     """Names that stand beside each other, each once, and where they begin."""
     begin = [i for i, name in enumerate(names) if i == 0 or name != names[i - 1]]
     return [names[i] for i in begin], begin
-
-
-def _falls(load: AnyLoad) -> bool:
-    """Whether nearly all that a load weighs hangs on a rope that is slack at first: to fall is what it is there for."""
-    if load.kind != "trolley" or load.payload is None or load.payload.at is None:
-        return False
-    return load.mass < load.payload.mass and math.hypot(*load.payload.at) < load.payload.length
 
 
 def _alone(values: Array, i: int, when: float) -> str:
