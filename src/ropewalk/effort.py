@@ -129,7 +129,7 @@ def _piloted(effort: Effort, run: TimeHistory, run_info: RunInfo) -> Effort:
     """What a run will be, from its first part, which is computed for about a second.
 
     Time per step is that of the second half of that part: kernels are loaded in the first. Where steps are adaptive
-    their rate falls from there towards one per output interval as damping calms the motion: the geometric mean is taken.
+    their rate falls from there towards one per output interval as damping calms the motion: their geometric mean holds.
     """
     times = run.engine.times
     if effort.seconds is not None and effort.seconds > _LONGEST * (times.size - 1):

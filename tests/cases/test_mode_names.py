@@ -8,8 +8,7 @@ from typer.testing import CliRunner
 
 import ropewalk
 from ropewalk.cli.app import app
-from ropewalk.results.mode_names import mode_names
-from ropewalk.results.spectrum import Modes
+from ropewalk.results.mode_names import Modes, mode_names
 from ropewalk.scenario import loads
 
 BEAM = """

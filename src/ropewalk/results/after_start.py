@@ -102,8 +102,8 @@ def _return(dataset: xr.Dataset, scenario: Scenario, line: str, xi: float) -> fl
     """Time in s after which waves from a place on a line have returned from both sides; NaN where it is not known."""
     own, links = (np.flatnonzero(dataset[name].values == line) for name in ("line", "link_line"))
     station, declared = dataset["xi"].values[own], scenario.lines[line]
-    held = np.sort([station[0], station[-1], *_held(dataset, line, declared, station)])
-    low, high = (held[held < xi].max(initial=-np.inf), held[held > xi].min(initial=np.inf))
+    stations = np.sort([station[0], station[-1], *_support_stations(dataset, line, declared, station)])
+    low, high = (stations[stations < xi].max(initial=-np.inf), stations[stations > xi].min(initial=np.inf))
     if not (np.isfinite(low) and np.isfinite(high)):
         return math.nan  # it starts at an end
     tension = dataset["tension"][0].values[links]
@@ -118,7 +118,7 @@ def _return(dataset: xr.Dataset, scenario: Scenario, line: str, xi: float) -> fl
     return _MARGIN * 2.0 * float(np.diff(passed).max())
 
 
-def _held(dataset: xr.Dataset, name: str, line: Line, station: Array) -> list[float]:
+def _support_stations(dataset: xr.Dataset, name: str, line: Line, station: Array) -> list[float]:
     """Stations of inner supports, sheaves and saddles that touch the line at the start, m."""
     found = [float(support.at) for support in line.supports.values()]
     place, known = dataset["position"][0].values[dataset["line"].values == name], dataset["support"].values.tolist()
