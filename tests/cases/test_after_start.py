@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import ropewalk
 from ropewalk.results import summary, tables, text
-from ropewalk.scenario import loads
+from ropewalk.scenario import load, loads
 from ropewalk.sweeps.quantities import measured
 
 TENSION, MASS, SPAN = 10e3, 1.0, 20.0
@@ -65,12 +67,23 @@ def test_no_transient_is_cut_off_where_none_begins_or_nothing_is_left(change):
         assert "after the run, so all values include it" in text(own)
 
 
-def test_the_transient_of_a_beam_is_that_of_its_first_mode():
+@pytest.mark.parametrize(("bed", "stiffness"), [("", 0.0), (", foundation: 10 kN/m^2", 10e3)])
+def test_the_transient_of_a_beam_is_that_of_its_first_mode(bed, stiffness):
     """Half a period of the first mode for a load at midspan, 1.1 times."""
-    beam = "bending_stiffness: 1 MN*m^2, supports: {}"
-    own = summary(run(MORE=beam, AT="10"))
-    first = np.pi / SPAN * np.sqrt((TENSION + 1e6 * (np.pi / SPAN) ** 2) / MASS)  # rad/s
+    own = summary(run(MORE=f"bending_stiffness: 1 MN*m^2{bed}", AT="10"))
+    wave = np.pi / SPAN
+    first = np.sqrt((TENSION * wave**2 + 1e6 * wave**4 + stiffness) / MASS)  # rad/s
     assert own["after_start"]["from"]["value"] == pytest.approx(1.1 * np.pi / first, rel=0.02)
+
+
+@pytest.mark.parametrize("inner", ["saddles: {s: {at: [12, HIGH], radius: 2}}", "supports: {s: {at: 12, kind: fixed}}"])
+def test_the_span_of_a_load_ends_at_inner_supports_that_touch_the_line(inner):
+    own = summary(run(MORE=inner.replace("HIGH", "0.2"), AT="4"))
+    c = np.sqrt(own["largest_tension"]["value"] / MASS)
+    assert own["after_start"]["from"]["value"] == pytest.approx(1.1 * 2.0 * 8.0 / c, rel=0.05)  # a node at 11.9 m
+    if "saddles" in inner:  # far below the line
+        own = summary(run(MORE=inner.replace("HIGH", "-2"), AT="4"))
+        assert own["after_start"]["from"]["value"] == pytest.approx(1.1 * 2.0 * 16.0 / c, rel=0.05)
 
 
 def test_names_of_quantities_mean_the_whole_run_unless_they_say_otherwise():
@@ -82,3 +95,18 @@ def test_names_of_quantities_mean_the_whole_run_unless_they_say_otherwise():
     own = summary(result)
     assert whole == own["contacts"]["w"]["force"]["magnitude"]["max"]
     assert later == own["after_start"]["contacts"]["w"]["force"]["magnitude"]["max"]
+
+
+def test_wheel_loads_of_a_carriage_that_starts_at_speed_are_reported_apart_from_its_start():
+    """Links of 4 m give 10.11 and 10.20 kN; those of 2 m 9.46 kN at 0.05 s and 10.10 kN at 3.95 s while braking."""
+    case = Path(__file__).parent / "b-ropeway-brake.yaml"
+    settings = ["lines.track.elements=290", "run.until=5 s"]
+    own = summary(ropewalk.simulate(load(case, settings)))
+    later = own["after_start"]
+    assert 1.95 < later["from"]["value"] < 3.5  # after the first reflection from tower 1, before the brake acts
+    whole, rest = (found["carriages"]["car"]["wheel_load"] for found in (own, later))
+    assert whole["min"]["time"] < 0.3
+    assert rest["min"]["time"] > 3.0
+    assert rest["min"]["value"] > 1.005 * whole["min"]["value"]
+    rows = text(own).partition("Without the start-up transient")[2].splitlines()
+    assert [row for row in rows if row.startswith("car: least wheel load")]

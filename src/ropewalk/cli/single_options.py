@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 from typer.core import TyperCommand
 
 from ropewalk.cli.console import fail
 
-if TYPE_CHECKING:
-    import click
-
 
 class CommandOfSingleOptions(TyperCommand):
     """A command whose options have one value each, except those that may be repeated."""
 
-    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Parse arguments; an option that takes one value ends the command with exit code 2 when it is repeated."""
         *_, given = self.make_parser(ctx).parse_args(args=list(args))
         for option in given:

@@ -109,7 +109,7 @@ def _return(dataset: xr.Dataset, scenario: Scenario, line: str, xi: float) -> fl
     tension = dataset["tension"][0].values[links]
     wave = np.pi / (high - low)
     square = (tension + float(declared.bending_stiffness or 0.0) * wave**2) / declared.mass
-    square += float(declared.foundation.stiffness if declared.foundation else 0.0) / (declared.mass * wave**2)
+    square += float(declared.foundation or 0.0) / (declared.mass * wave**2)
     inside = (station[1:] > low) & (station[:-1] < high)
     if not (square[inside] > 0.0).all():
         return math.nan
@@ -123,11 +123,12 @@ def _support_stations(dataset: xr.Dataset, name: str, line: Line, station: Array
     found = [float(support.at) for support in line.supports.values()]
     place, known = dataset["position"][0].values[dataset["line"].values == name], dataset["support"].values.tolist()
     tension = dataset["tension"][:1].values[:, dataset["link_line"].values == name]
-    for key, body in {**line.saddles, **line.sheaves}.items():
-        if (support := f"{name}.{key}") not in known or len(body.at) != place.shape[1]:
+    bodies = [*((key, saddle.at) for key, saddle in line.saddles.items())]
+    for key, at in [*bodies, *((key, sheave.at) for key, sheave in line.sheaves.items())]:
+        if (support := f"{name}.{key}") not in known or len(at) != place.shape[1]:
             continue
         if is_touched(dataset["reaction"][:1, known.index(support)].values, tension)[0]:
-            found.append(float(station[np.linalg.norm(place - np.array(body.at), axis=1).argmin()]))
+            found.append(float(station[np.linalg.norm(place - np.array(at), axis=1).argmin()]))
     return found
 
 

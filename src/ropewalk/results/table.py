@@ -188,7 +188,7 @@ def _net_rows(name: str, net: Summary, say: Column) -> Iterator[Row]:
 
 
 def _place(found: Summary, say: Column) -> str:
-    where = ", ".join(f"{axis} = {say.place(found[axis])}" for axis in "xyz")
+    where = ", ".join(f"{axis} = {say.place(found[axis], with_unit=axis == 'z')}" for axis in "xyz")
     return "  ".join((f"at {where}", *say.when(found)))
 
 
