@@ -41,7 +41,7 @@ from ropewalk.cli.console import (
 )
 from ropewalk.cli.lines import elasticity
 from ropewalk.cli.options import Json, NoCode, Picture, Quiet, ScenarioFile, Settings, Units, Workers
-from ropewalk.cli.single_options import CommandOfSingleOptions
+from ropewalk.cli.single_output import CommandWithOutput
 from ropewalk.cli.studio import studio
 from ropewalk.cli.validating import validate
 
@@ -433,4 +433,4 @@ def schema() -> None:
 app.command()(calc)
 
 for command_info in app.registered_commands:
-    command_info.cls = CommandOfSingleOptions
+    command_info.cls = CommandWithOutput
