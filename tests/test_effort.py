@@ -42,9 +42,7 @@ def test_the_steps_that_are_told_are_those_that_are_taken_within_a_factor_of_thr
     assert effort.seconds > 0.0
 
 
-def test_what_finds_its_steps_on_the_way_is_not_told_a_number() -> None:
-    found, _ = foreseen(scenario("rope", "run.method=implicit"))
-    assert "steps whose length is found on the way" in found
+def test_runs_without_a_motion_have_equilibria_instead_of_steps() -> None:
     assert foreseen(loads(template("rope"), overrides=("run={kind: equilibrium}",))) == ("one equilibrium", [])
     slow = foreseen(loads(template("rope"), overrides=("run={kind: quasistatic, positions: 7}",)))
     assert slow == ("7 equilibria", [])

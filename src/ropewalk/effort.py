@@ -1,17 +1,22 @@
-"""How much work a run will be, from the step that its engine has chosen: told before it begins.
+"""Steps and time that a run takes, estimated before it begins.
 
-Seconds are steps times what one takes: a part of its own, and one for each node and contact, by engine, from the
-measurements of docs/notes/speed.md (what a run will take). Machines differ, and one that is busy takes longer.
+As a run begins its seconds are steps times the time of one: a constant, and a part for each node and contact, by
+engine, from the measurements of docs/notes/speed.md. `check` computes the first part of the run instead, and
+extrapolates its steps and its time of the processor. Compilation is no part of either.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+import time
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ropewalk.capabilities import SYSTEM, WIRES, engine_of
+from ropewalk.errors import RopewalkError
 from ropewalk.model.load import ExternalModel
 from ropewalk.model.mesh import is_asked_for
 from ropewalk.model.plausibility import implausible
@@ -30,6 +35,8 @@ _OF_SYSTEM, _OF_NETS, _OF_WIRES, _OF_CHAINS = (
     (1.0, 0.0014, 0.5),
     (0.4, 0.008, 0.4),
 )
+_PILOT = 0.7  # s of the processor, that the first part of a run takes
+_LONGEST = 2.0  # s, that an output interval may take at most to be computed for this
 _LARGE = 20.0  # times as much of a node of wires whose motion is not linearised: inner steps
 
 
@@ -39,20 +46,23 @@ class Effort:
 
     Args:
         steps: how many; None where the method finds their length on the way.
-        step: s, of one.
+        step: s, of the largest one.
         nodes: of all lines.
         seconds: that it takes, about, kernels compiled; None where that cannot be known.
+        adaptive: whether the method finds the length of its steps on the way.
     """
 
     steps: int | None
     step: float
     nodes: int
     seconds: float | None
+    adaptive: bool = False
 
     def __str__(self) -> str:
         if self.steps is None:
             return f"{self.nodes} nodes, in steps whose length is found on the way"
-        steps = f"about {_rounded(self.steps)} steps of {1e6 * self.step:.3g} us"
+        size = f"{1e6 * self.step:.3g} us" if self.step < 1e-3 else f"{1e3 * self.step:.3g} ms"
+        steps = f"about {_rounded(self.steps)} steps of {'at most ' if self.adaptive else ''}{size}"
         return f"{steps} for {self.nodes} nodes, {about(self.seconds)}"
 
 
@@ -83,7 +93,7 @@ def effort_of(scenario: Scenario, run: Run, run_info: RunInfo) -> Effort | None:
 
 
 def foreseen(scenario: Scenario) -> tuple[str, list[str]]:
-    """Describe the work of a run, and list warnings about its scenario and its beginning.
+    """Describe the work of a run, whose first part is computed for that, and list warnings about its scenario.
 
     Runs whose kernels are not compiled yet, with models of others or on several meshes are not prepared.
 
@@ -114,12 +124,44 @@ def _prepared(scenario: Scenario) -> tuple[str, list[str]]:
         return "a motion on several meshes", []
     if how_long := must_compile(scenario):
         return (
-            f"a motion; its steps are told once kernels are compiled (once for each kind of structure, {how_long})",
+            f"a motion; steps and time are known once its kernels are compiled (once for each kind, {how_long})",
             [],
         )
     run_info = RunInfo()
-    effort = effort_of(scenario, run_of(scenario, run_info), run_info)
-    return "a motion" if effort is None else f"a motion: {effort}", run_info.warnings
+    ready = run_of(scenario, run_info)
+    effort, warnings = effort_of(scenario, ready, run_info), list(run_info.warnings)
+    if effort is None or not isinstance(ready, TimeHistory):
+        return "a motion", warnings
+    return f"a motion: {_piloted(effort, ready, run_info)}", warnings
+
+
+def _piloted(effort: Effort, run: TimeHistory, run_info: RunInfo) -> Effort:
+    """What a run will be, from its first part, which is computed for about a second.
+
+    Time per step is that of the second half of that part: kernels are loaded in the first. Where steps are adaptive
+    their rate falls from there towards one per output interval as damping calms the motion: their geometric mean holds.
+    """
+    times = run.engine.times
+    if effort.seconds is not None and effort.seconds > _LONGEST * (times.size - 1):
+        return effort
+    noted = [(0.0, 0, 0.0)]  # s of the motion, steps, s of the processor
+    begun = time.process_time()
+    with suppress(RopewalkError):
+        for frames in run.blocks():
+            noted.append((float(frames.path[-1]), run_info.steps, time.process_time() - begun))
+            if noted[-1][2] > _PILOT:
+                break
+    reached, taken, _ = noted[-1]
+    half = max((one for one in noted if one[0] <= 0.5 * reached), key=lambda one: one[0])
+    span, steps, spent = (last - before for last, before in zip(noted[-1], half, strict=True))
+    if not span > 0.0 or not steps:
+        return effort
+    count, largest = effort.steps, float(np.diff(times).max())
+    if count is None:
+        lowest, rate = (times.size - 1) / float(times[-1]), steps / span
+        count = int(taken + (float(times[-1]) - reached) * math.sqrt(max(rate, lowest) * lowest))
+    step = min(effort.step or largest, largest)
+    return replace(effort, steps=count, step=step, seconds=count * spent / steps, adaptive=effort.steps is None)
 
 
 def about(seconds: float | None) -> str:

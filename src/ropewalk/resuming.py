@@ -172,8 +172,8 @@ def _refuse_other_engine(past: Past) -> None:
         if number != ENGINE_NUMBER:
             written = "an older version, without an engine number" if number is None else f"engine {number}"
             raise ResultError(
-                f"{past.path}: the {part} was computed by {written}; this version has engine {ENGINE_NUMBER} and cannot "
-                "continue it. Run the scenario again from the start"
+                f"{past.path}: the {part} was computed by {written}; this version has engine {ENGINE_NUMBER} and "
+                "cannot continue it. Run the scenario again from the start"
             )
 
 

@@ -151,6 +151,8 @@ def record(
             raise
         run_info.outcome, run_info.advice = "interrupted", "the result holds everything up to the interruption"
     watch.note(run_info)
+    if isinstance(run, TimeHistory) and run.total > 1:  # steps end at output instants
+        run_info.step = min(run_info.step, float(np.diff(run.engine.times).max()))
     return recorder.close()
 
 

@@ -11,8 +11,8 @@ from ropewalk.results.drawn_bodies import drawn_bodies
 from ropewalk.scenario import loads
 
 DECK = """
-lines: {deck: {start: [0, 0], end: [32, 0], length: 32, mass: 12 t/m, bending_stiffness: 90 GN*m^2, axial_stiffness: 20 GN,
-  elements: 16}}
+lines: {deck: {start: [0, 0], end: [32, 0], length: 32, mass: 12 t/m, bending_stiffness: 90 GN*m^2,
+  axial_stiffness: 20 GN, elements: 16}}
 run: {kind: dynamic, geometry: linearised, until: 0.9, every: 0.02}
 loads:
 """
@@ -28,7 +28,8 @@ VEHICLE = """
 """
 KINDS = {
     "train": "  t:\n    kind: train\n    on: deck\n    travel: {speed: 50}\n    vehicles:\n     v:" + VEHICLE,
-    "oscillator": "  t: {kind: oscillator, on: deck, mass: 5 t, wheel_mass: 1 t, stiffness: 1 MN/m, travel: {speed: 50, at_end: leave}}",
+    "oscillator": "  t: {kind: oscillator, on: deck, mass: 5 t, wheel_mass: 1 t, stiffness: 1 MN/m, "
+    "travel: {speed: 50, at_end: leave}}",
 }
 
 

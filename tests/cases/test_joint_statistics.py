@@ -15,8 +15,8 @@ HOOK = Path(__file__).parent / "a-08-hook-untold.yaml"
 V = """
 joints: {bob: {mass: 100, force: [FORCE, 0]}}
 lines:
-  left: {start: [0, 0], end: [5, -3], end_support: {kind: joined, to: bob}, length: 6, mass: 1e-3, axial_stiffness: 1 MN,
-    elements: 4EI}
+  left: {start: [0, 0], end: [5, -3], end_support: {kind: joined, to: bob}, length: 6, mass: 1e-3,
+    axial_stiffness: 1 MN, elements: 4EI}
   right: {start: [5, -3], end: [10, 0], start_support: {kind: joined, to: bob}, length: 6, mass: 1e-3,
     axial_stiffness: 1 MN, elements: 4}
 run: {kind: equilibrium}

@@ -10,7 +10,7 @@ from ropewalk.scenario import loads
 
 LINE = """
 overhead_lines:
-  line: {spans: {count: 3, length: 40}, element: 2, analysed_spans: [2, 2], limits: {system: ac, maximum_force: LIMIT N}}
+  line: {spans: {count: 3, length: 40}, element: 2, analysed_spans: [2, 2], limits: {system: ac, maximum_force: LIMIT}}
 loads: {p: {kind: pantograph, on: line, model: en50318-2002, travel: {speed: 50, from: 10}}}
 run: {kind: dynamic, geometry: linearised, until: 1.6, every: 0.02}
 """

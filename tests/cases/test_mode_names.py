@@ -8,13 +8,13 @@ from typer.testing import CliRunner
 
 import ropewalk
 from ropewalk.cli.app import app
-from ropewalk.results.mode_names import mode_names
-from ropewalk.results.spectrum import Modes
+from ropewalk.results.mode_names import Modes, mode_names
 from ropewalk.scenario import loads
 
 BEAM = """
 lines:
-  deck: {start: START, end: END, length: 20, mass: 100, bending_stiffness: 1 MN*m^2, axial_stiffness: 100 MN, elements: 12}
+  deck: {start: START, end: END, length: 20, mass: 100, bending_stiffness: 1 MN*m^2, axial_stiffness: 100 MN,
+    elements: 12}
 gravity: 0
 run: {kind: equilibrium}
 """

@@ -49,7 +49,9 @@ def test_a_suggestion_has_all_words_and_works(results, name, suggested):
     assert suggested in measured(results["loaded"], [suggested])
 
 
-@pytest.mark.parametrize("name", ["max acceleration", "min clearance", "max bending moment", "max contact force", "max speed"])
+@pytest.mark.parametrize(
+    "name", ["max acceleration", "min clearance", "max bending moment", "max contact force", "max speed"]
+)
 def test_a_quantity_that_the_run_does_not_have_gets_no_suggestion_of_another_one(results, name):
     said = refused(results["bare"], name)
     assert "did you mean" not in said

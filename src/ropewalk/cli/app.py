@@ -42,7 +42,7 @@ from ropewalk.cli.console import (
 )
 from ropewalk.cli.lines import elasticity
 from ropewalk.cli.options import Json, NoCode, Picture, Quiet, ScenarioFile, Settings, Units, Workers
-from ropewalk.cli.single_options import CommandOfSingleOptions
+from ropewalk.cli.single_output import CommandWithOutput
 from ropewalk.cli.studio import studio
 from ropewalk.cli.validating import validate
 from ropewalk.permission import forbid_code, is_code_forbidden
@@ -207,7 +207,7 @@ def show(
             "-o",
             "--output",
             metavar="FIG|FILM|REPORT|TABLE|PVD",
-            help="Write a .png, .svg, .pdf, .gif, .mp4, .html, .csv, .xlsx, .parquet, or a .pvd for ParaView; repeat it.",
+            help="Write .png, .svg, .pdf, .gif, .mp4, .html, .csv, .xlsx, .parquet, or .pvd for ParaView; repeat it.",
         ),
     ] = None,
     every: Annotated[
@@ -437,4 +437,4 @@ def schema() -> None:
 app.command()(calc)
 
 for command_info in app.registered_commands:
-    command_info.cls = CommandOfSingleOptions
+    command_info.cls = CommandWithOutput

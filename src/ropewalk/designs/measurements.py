@@ -142,7 +142,7 @@ def _numbers(file: Path, name: str, cells: Any) -> Array:
     """
     import pandas as pd
 
-    numbers = pd.to_numeric(cells, errors="coerce").to_numpy(dtype=np.float64)
+    numbers: Array = pd.to_numeric(cells, errors="coerce").to_numpy(dtype=np.float64)
     wrong = np.flatnonzero(~np.isfinite(numbers))
     if wrong.size:
         given = "an empty cell" if pd.isna(cells.iloc[wrong[0]]) else repr(cells.iloc[wrong[0]])

@@ -388,7 +388,7 @@ def _target(pantograph: Pantograph | None, speed: float) -> float:
 
 
 def line_statistics(dataset: xr.Dataset, *, ties: bool = True) -> dict[str, LineStatistics]:
-    """What supports and droppers of every overhead line go through: between output instants, or without samples at them.
+    """Statistics of supports and droppers of every overhead line, from samples, or without them at output instants.
 
     Args:
         dataset: a result.

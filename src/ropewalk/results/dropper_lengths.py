@@ -21,8 +21,8 @@ def length_rows(droppers: Mapping[str, Mapping[str, Any]], say: Column) -> Itera
     spans: dict[str, list[str]] = {}
     for name, dropper in droppers.items():
         length = dropper["length"]
-        shown = number(None if length is None else length / say.length.size)
-        spans.setdefault(name.rpartition(".")[0].rpartition(".")[2], []).append(shown)
+        label = number(None if length is None else length / say.length.size)
+        spans.setdefault(name.rpartition(".")[0].rpartition(".")[2], []).append(label)
     groups: list[tuple[str, str, str]] = []
     for span, lengths in spans.items():
         text = ", ".join(lengths)

@@ -14,7 +14,8 @@ from ropewalk.results.spectrum import ROUNDING
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ropewalk.results.spectrum import Modes, Spectrum
+    from ropewalk.results.mode_names import Modes
+    from ropewalk.results.spectrum import Spectrum
 
 DISPLAYED = 12  # modes
 COLUMNS = 3

@@ -1,16 +1,33 @@
-"""Names of mode shapes: direction of the motion, half-waves, and the line that moves most."""
+"""Modes of a structure, and names of their shapes: direction, half-waves, and the line that moves most."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ropewalk.results.frame import Array
-from ropewalk.results.spectrum import Modes
 
 _SMALL = 0.05  # of the largest displacement: smaller ones count for no half-wave
 _CLEAR = 2.0 / 3.0  # share of the squared displacement from which on one direction names a mode
 _APART = 5.0  # times the usual distance of nodes that follow one another: beyond, they are the rows of a net
 _SAME = 1e-3  # of the length of the structure: nodes at one place along x
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """The lowest modes of a structure."""
+
+    frequency: Array
+    """(mode,) natural angular frequencies, rad/s, ascending."""
+    ratio: Array
+    """(mode,) damping ratios."""
+    shape: Array = field(default_factory=lambda: np.zeros((0, 0, 3)))
+    """(mode, node, 3) displacements in x, y, z; the largest is 1."""
+    position: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    """(node, 3) m, at rest."""
+    line: tuple[str, ...] = ()
+    """Line or net of each node."""
 
 
 def mode_names(modes: Modes) -> list[str]:

@@ -3,32 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ropewalk.results.frame import Array
+from ropewalk.results.mode_names import Modes as Modes
+from ropewalk.results.mode_names import mode_names
 
 LISTED = 12  # modes in the table for people
 ROUNDING = 1e-9  # damping ratios below are rounding errors
-
-
-@dataclass(frozen=True, eq=False)
-class Modes:
-    """The lowest modes of a structure."""
-
-    frequency: Array
-    """(mode,) natural angular frequencies, rad/s, ascending."""
-    ratio: Array
-    """(mode,) damping ratios."""
-    shape: Array = field(default_factory=lambda: np.zeros((0, 0, 3)))
-    """(mode, node, 3) displacements in x, y, z; the largest is 1."""
-    position: Array = field(default_factory=lambda: np.zeros((0, 3)))
-    """(node, 3) m, at rest."""
-    line: tuple[str, ...] = ()
-    """Line or net of each node."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,8 +156,6 @@ class Spectrum:
 
     def _named_modes(self) -> list[tuple[float, float, str]]:
         """Angular frequency in rad/s, damping ratio and name of every mode with a shape."""
-        from ropewalk.results.mode_names import mode_names
-
         assert self.modes is not None
         found = zip(self.modes.frequency.tolist(), self.modes.ratio.tolist(), mode_names(self.modes), strict=True)
         return list(found)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from ropewalk.results.after_start import AFTER_START, PARTS, summary_after_start
 from ropewalk.results.audit import AUDIT, rounding, turnover
 from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contact_summary import contact_summary
@@ -48,16 +49,26 @@ def summary(dataset: xr.Dataset, only: Collection[str] | None = None) -> Summary
         only: entries that are wanted; others may be missing (default: all).
     """
     entries = _entries(cast("xr.Dataset", _Looked(dataset)))
+    entries[AFTER_START] = lambda: summary_after_start(dataset, _parts)
     whole = only is None or not entries.keys() >= set(only)
     wanted = [key for key in entries if whole or key in (only or ())]
+    plain: Summary = _plain(_found(entries, wanted))
+    return plain
+
+
+def _found(entries: dict[str, Callable[[], Any]], wanted: Collection[str]) -> Summary:
     found: Summary = {}
     for key in wanted:
         if key in _SPREAD:
             found |= entries[key]()
         else:
             found[key] = entries[key]()
-    plain: Summary = _plain(found)
-    return plain
+    return found
+
+
+def _parts(dataset: xr.Dataset) -> Summary:
+    """The parts of a summary that have extremes at output instants."""
+    return _found(_entries(cast("xr.Dataset", _Looked(dataset))), PARTS)
 
 
 _SPREAD = ("of ropeways", "of contacts")  # entries that are several

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
+from ropewalk.results.after_start import rows_after_start
 from ropewalk.results.display_units import Column, DisplayUnit, DisplayUnits, number, quantities
 from ropewalk.results.dropper_lengths import length_rows
 from ropewalk.results.joint_statistics import joint_rows
@@ -138,6 +140,7 @@ def rows(found: Summary, units: DisplayUnits | None = None) -> Iterator[Row]:
             yield from length_rows(line["droppers"], say)
     for name, exchange in found["exchanges"].items():
         yield from _exchange_rows(name, exchange, column(exchange))
+    yield from rows_after_start(found, partial(rows, units=units))
     yield from _energy_rows(
         found["energy"], column({"unit": "J", **found["energy"]["final"], "turnover": found["energy"]["turnover"]})
     )
@@ -185,7 +188,7 @@ def _net_rows(name: str, net: Summary, say: Column) -> Iterator[Row]:
 
 
 def _place(found: Summary, say: Column) -> str:
-    where = ", ".join(f"{axis} = {say.place(found[axis])}" for axis in "xyz")
+    where = ", ".join(f"{axis} = {say.place(found[axis], with_unit=axis == 'z')}" for axis in "xyz")
     return "  ".join((f"at {where}", *say.when(found)))
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from array import array
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.model.plausibility import implausible
+from ropewalk.results.after_start import falls
 from ropewalk.results.attachments import AttachmentWatch
 from ropewalk.results.audit import ROUNDING
 from ropewalk.results.axial_restraint import AxialRestraintWatch
@@ -21,6 +21,7 @@ from ropewalk.results.frame import OFF_LINE, Array, Doubt, Frame, Layout, RunInf
 from ropewalk.results.frames import Frames
 from ropewalk.results.ground import GroundWatch
 from ropewalk.results.hanging import HangingWatch
+from ropewalk.results.lifted_rope import LiftedRopeWatch
 from ropewalk.results.lost_contact import LostContactWatch
 from ropewalk.results.peaks import beside, lonely, missed, sharp, too_far_apart
 from ropewalk.results.pushing import PushWatch
@@ -31,8 +32,12 @@ from ropewalk.results.strength import StrengthWatch
 from ropewalk.results.sudden_wind import blows_at_once
 
 if TYPE_CHECKING:
-    from ropewalk.model import AnyLoad, Scenario
+    from ropewalk.model import Scenario
 
+WATCHES = (
+    StrainRangeWatch, AxialRestraintWatch, StartPositionWatch, PushWatch, GroundWatch, LostContactWatch, HangingWatch,
+)  # fmt: skip
+"""Watches that see all frames and have warnings at the end."""
 VANISHING = 1e-100  # N: small motion begins with a little more than nothing
 UNBALANCED = 1e-3  # of all weights: what the support forces at rest may miss
 NOTHING = 1e-10  # of the largest tension, or of the weight of the line: a load that presses less does not press
@@ -62,15 +67,8 @@ class Watch:
         self._missing = 0.0, 0.0  # support forces at rest without what they carry, and that, N
         self._attachments, self._strengths = AttachmentWatch(layout, scenario), StrengthWatch(layout, scenario)
         self._energy = EnergyWatch(layout, scenario, self._attachments)
-        self._pushing = PushWatch(layout, scenario)
-        self._over_ground, self._lost_contact = GroundWatch(layout, scenario), LostContactWatch(layout, scenario)
-        self._hanging = HangingWatch(layout, scenario)
-        self._others = (
-            StrainRangeWatch(layout, scenario),
-            AxialRestraintWatch(layout, scenario),
-            StartPositionWatch(layout, scenario),
-        )
-        self._close = CloseContactsWatch(layout, scenario)
+        self._watches = tuple(watch(layout, scenario) for watch in WATCHES)
+        self._lifted_rope, self._close = LiftedRopeWatch(layout, scenario), CloseContactsWatch(layout, scenario)
         self._force = array("d")  # on the line, of each sample and contact, N
         self._instants = array("d")  # of these samples, s
         self._tension = array("d")  # largest, of each frame, N
@@ -87,11 +85,7 @@ class Watch:
         for i in range(len(frames) if self.layout.path == "load_path" else int(not self._times)):
             self._rest(frames[i], on[i])
         self._strengths.see(frames)
-        self._pushing.see(frames)
-        self._over_ground.see(frames)
-        self._lost_contact.see(frames)
-        self._hanging.see(frames)
-        for watch in (*self._others, self._close):
+        for watch in (*self._watches, self._lifted_rope, self._close):
             watch.see(frames)
         self._been |= on.any(axis=0)
         self._attachments.see(frames)
@@ -123,6 +117,7 @@ class Watch:
     def _doubts(self, run_info: RunInfo, force: Array) -> Iterator[Doubt]:
         yield from self._absent(force)
         yield from self._strengths.doubts()
+        yield from self._lifted_rope.doubts()
         yield from self._close.doubts(run_info)
         if self.layout.path == "time":
             yield from (attached := list(self._attachments.doubts(force)))
@@ -226,13 +221,10 @@ class Watch:
         yield from stiff_below(self.scenario)
         yield from blows_at_once(self.scenario)
         yield from implausible(self.scenario)
-        for watch in self._others:
+        for watch in self._watches:
             yield from watch.messages()
         yield from self._between_instants()
-        yield from self._pushing.messages()
-        yield from self._over_ground.messages()
-        yield from self._lost_contact.messages()
-        yield from self._hanging.messages()
+        yield from self._lifted_rope.messages()
         if self.layout.path == "time" and not run_info.audit and len(self._times) > 1:
             yield from self._energy.findings(run_info)[1]
         run = self.scenario.run
@@ -240,7 +232,7 @@ class Watch:
             return
         for name in dict.fromkeys(self.loads):
             load = self.scenario.loads.get(name)
-            if load is None or load.on in self.scenario.nets or load.kind in _GROWING or _falls(load):
+            if load is None or load.on in self.scenario.nets or load.kind in _GROWING or falls(load):
                 continue
             on, k = self.scenario.carrier_of(load), self.loads.index(name)
             if load.kind in _DECIDING and not self._presses_at_once(force, name):
@@ -282,13 +274,6 @@ def _runs_of(names: Sequence[str]) -> tuple[list[str], list[int]]:
     """Names that stand beside each other, each once, and where they begin."""
     begin = [i for i, name in enumerate(names) if i == 0 or name != names[i - 1]]
     return [names[i] for i in begin], begin
-
-
-def _falls(load: AnyLoad) -> bool:
-    """Whether nearly all that a load weighs hangs on a rope that is slack at first: to fall is what it is there for."""
-    if load.kind != "trolley" or load.payload is None or load.payload.at is None:
-        return False
-    return load.mass < load.payload.mass and math.hypot(*load.payload.at) < load.payload.length
 
 
 def _impact(load: AnyLoad | None, name: str) -> tuple[str, str, str]:
