@@ -43,6 +43,7 @@ Report = Callable[..., None]  # a task, the part that is done, and maybe what it
 _READ: ContextVar[tuple[Path, tuple[str, ...]] | None] = ContextVar("read", default=None)  # file and settings
 # Part of the whole from which on what is done tells what is left: before, kernels are still loaded.
 _KNOWN = 0.02
+PATIENCE = 6.0  # s of computing, after which `check` gives up to find how a run begins
 _BETWEEN_LINES = 30.0  # s between lines that tell how far what takes long has come
 TRACEBACK: ContextVar[bool] = ContextVar("traceback", default=False)
 
@@ -277,12 +278,15 @@ def _in_lines() -> Report:
 
 def foreseen(file: Path, scenario: Scenario) -> tuple[str, list[str]]:
     """What a run will be, in words, and what is to be remarked of how it begins; leaves where it would not begin."""
+    from ropewalk.cli.deadline import Overdue, deadline
     from ropewalk.effort import foreseen as words
     from ropewalk.errors import RopewalkError
 
     try:
-        with progress_of_many(quiet=False) as report, _compiling(report):
+        with progress_of_many(quiet=False) as report, _compiling(report), deadline(PATIENCE):
             return words(scenario)
+    except Overdue:
+        return f"how its run begins was not found within {PATIENCE:g} s of computing, and is not looked for here", []
     except RopewalkError as problem:
         fail(f"{file}: no mistake was found, but its run would not begin: {problem}", STOPPED_EARLY)
         raise
