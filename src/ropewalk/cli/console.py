@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import sys
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
@@ -20,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 from typer import CallbackParam
 
+from ropewalk.errors import printable_lines
 from ropewalk.interrupts import EXIT_CODE as INTERRUPTED
 from ropewalk.interrupts import is_interrupted, note_kept
 from ropewalk.permission import code_restored, forbid_code, is_code_forbidden
@@ -38,6 +40,7 @@ FILM_SUFFIXES = (".gif", ".mp4")
 REPORT_SUFFIX = ".html"
 EXPORT_SUFFIX = ".pvd"
 TABLE_SUFFIXES = (".csv", ".xlsx", ".parquet")
+_CONTROL = re.compile("[\x7f-\x9f]")  # signs that control a terminal and stand in JSON as they are
 Progress = Callable[[float], None]
 Report = Callable[..., None]  # a task, the part that is done, and maybe what it is at
 _READ: ContextVar[tuple[Path, tuple[str, ...]] | None] = ContextVar("read", default=None)  # file and settings
@@ -94,11 +97,11 @@ def print_summary(found: dict[str, Any], as_json: bool, quiet: bool, units: Disp
     elif not quiet:
         from ropewalk.results import text
 
-        typer.echo(text(found, units))
+        echo(text(found, units))
 
 
 def print_json(value: Any) -> None:
-    typer.echo(json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False))
+    typer.echo(_CONTROL.sub(_escaped, json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False)))
 
 
 def print_columns(rows: list[tuple[str, ...]]) -> None:
@@ -106,7 +109,7 @@ def print_columns(rows: list[tuple[str, ...]]) -> None:
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
     for what, *values in rows:
         cells = [f"{value:>{width}}" for value, width in zip(values, widths[1:], strict=True)]
-        typer.echo("  ".join([f"{what:{widths[0]}}", *(cells if len(cells) > 1 else values)]).rstrip())
+        echo("  ".join([f"{what:{widths[0]}}", *(cells if len(cells) > 1 else values)]).rstrip())
 
 
 def check_picture(
@@ -188,7 +191,16 @@ def quantity_of(text: str, unit: str) -> float:
 
 
 def say(message: str) -> None:
-    typer.echo(message, err=True)
+    echo(message, err=True)
+
+
+def echo(text: str, *, err: bool = False) -> None:
+    """Print text, in which signs that control a terminal are escapes: titles and messages of files may hold any."""
+    typer.echo(printable_lines(text), err=err)
+
+
+def _escaped(sign: re.Match[str]) -> str:
+    return f"\\u{ord(sign[0]):04x}"
 
 
 def fail(message: str, code: int = BAD_INPUT) -> None:

@@ -38,6 +38,24 @@ class Folder:
             raise OutsideError(f"{name}: must be a file of this folder that ends in {', '.join(kinds)}")
         return found
 
+    def room(self, most: int) -> int:
+        """Return how many bytes may still be written until scenarios and results here take so many.
+
+        Raises:
+            RopewalkError: none.
+        """
+        kinds, used = (*SCENARIOS, *RESULTS, ".jsonl"), 0
+        for entry in os.scandir(self.path):
+            if Path(entry.name).suffix.lower() in kinds:
+                with suppress(OSError):
+                    used += entry.stat().st_size
+        if used >= most:
+            remedy = "delete results, or open the studio with a larger --disk"
+            raise RopewalkError(
+                f"scenarios and results in the folder take {used / 1e9:.3g} GB, at most {most / 1e9:.3g} GB: {remedy}"
+            )
+        return most - used
+
     def files(self) -> dict[str, list[str]]:
         """Names of scenarios and results."""
         names = sorted(entry.name for entry in os.scandir(self.path) if entry.is_file() and entry.name[0] != ".")
