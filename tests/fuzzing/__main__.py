@@ -11,7 +11,7 @@ import time
 from collections import Counter
 from contextlib import suppress
 
-from fuzzing.mutants import EXAMPLES, mutant
+from fuzzing.mutants import EXAMPLES, extreme, mutant
 from fuzzing.reading import MEMORY, READ, REFUSED, checked, outcome
 
 
@@ -24,7 +24,7 @@ def main(seconds: float, seed: int, is_checked: bool) -> int:
     os.chdir(EXAMPLES)
     end, found, number = time.monotonic() + seconds, Counter[str](), 0
     while time.monotonic() < end:
-        name, text = mutant(seed, number)
+        name, text = (extreme if is_checked and number % 2 else mutant)(seed, number)
         begin = time.process_time()
         print(f"mutant {seed} {number} of {name}", end="\r", file=sys.stderr, flush=True)  # the last one, where it dies
         what = outcome(text, read=checked if is_checked else None)

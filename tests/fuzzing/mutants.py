@@ -120,6 +120,15 @@ def _number(text: str, chance: np.random.Generator) -> str:
     return text[: one.start()] + str(new) + text[one.end() :]
 
 
+def extreme(seed: int, number: int) -> tuple[str, str]:
+    """What a mutant is made of, and its text: an original with one number, or two, of another magnitude."""
+    chance = np.random.default_rng([seed, number, 1])
+    name, text = originals()[int(chance.integers(0, len(originals())))]
+    for _ in range(int(chance.choice([1, 1, 2]))):
+        text = _number(text, chance)
+    return name, text
+
+
 CHANGES: tuple[Change, ...] = (_cut, _insert, _letter, _value, _lines, _other, _number)
 
 

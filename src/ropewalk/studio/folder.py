@@ -33,7 +33,7 @@ class Folder:
         """
         if not name or len(name) > 200 or any(sign in name for sign in "/\\\0:") or name.startswith("."):
             raise OutsideError("name a file of the folder that the studio was opened in, without a path")
-        found = (self.path / name).resolve()
+        found = _resolved(self.path / name)
         if found.parent != self.path or found.suffix.lower() not in kinds:
             raise OutsideError(f"{name}: must be a file of this folder that ends in {', '.join(kinds)}")
         return found
@@ -105,6 +105,20 @@ class Folder:
         return {"name": name, "stamp": _stamp(file)}
 
 
+def _resolved(file: Path) -> Path:
+    """Return a file with all links followed.
+
+    Raises:
+        OutsideError: they lead in a loop, which only some versions of Python report.
+    """
+    try:
+        with suppress(FileNotFoundError, NotADirectoryError):
+            file.stat()
+        return file.resolve()
+    except (OSError, RuntimeError, ValueError):
+        raise OutsideError(f"{file.name}: cannot be followed to a file") from None
+
+
 def _stamp(file: Path) -> str:
     """What changes when a file is written; empty if there is none."""
     try:
@@ -126,7 +140,11 @@ def check_inside(tree: Any, folder: Path) -> None:
     """
     problems = []
     for key, given in _files(tree, ()):
-        if not (folder / given).resolve().is_relative_to(folder):
+        try:
+            is_inside = _resolved(folder / given).is_relative_to(folder)
+        except OutsideError:
+            is_inside = False
+        if not is_inside:
             remedy = "move the file into the folder, or open the studio where it is"
             problems.append(Problem(".".join(key), "lies outside of the folder of the studio", given, remedy))
     if problems:
