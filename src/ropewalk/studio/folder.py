@@ -38,7 +38,7 @@ class Folder:
             raise OutsideError(f"{name}: must be a file of this folder that ends in {', '.join(kinds)}")
         return found
 
-    def room(self, most: int) -> int:
+    def bytes_left(self, most: int) -> int:
         """Return how many bytes may still be written until scenarios and results here take so many.
 
         Raises:

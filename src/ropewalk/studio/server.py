@@ -232,7 +232,7 @@ class PageConnection:
             return studio.folder.read(str(asked["name"]))
         if do == "save":
             if studio.settings.disk:
-                studio.folder.room(studio.settings.disk)
+                studio.folder.bytes_left(studio.settings.disk)
             stamp = asked.get("stamp")
             return studio.folder.save(str(asked["name"]), str(asked["text"]), stamp and str(stamp))
         raise RopewalkError(f"{do}: the studio does not do this")

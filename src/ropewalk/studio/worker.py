@@ -193,13 +193,13 @@ class ComputingProcess:
 
         if not self._disk:
             return
-        room = Folder(self._folder).room(self._disk)
+        bytes_left = Folder(self._folder).bytes_left(self._disk)
         with contextlib.suppress(ImportError, ValueError, OSError):
             import resource
 
             hard = resource.getrlimit(resource.RLIMIT_FSIZE)[1]
             resource.setrlimit(
-                resource.RLIMIT_FSIZE, (room if hard == resource.RLIM_INFINITY else min(room, hard), hard)
+                resource.RLIMIT_FSIZE, (bytes_left if hard == resource.RLIM_INFINITY else min(bytes_left, hard), hard)
             )
 
     def _do_run(self, asked: Answer) -> Answer:
