@@ -5,6 +5,7 @@ import sys
 import warnings
 from typing import Any, NoReturn
 
+from ropewalk.errors import printable_lines
 from ropewalk.importing import lightly
 from ropewalk.interrupts import EXIT_CODE, is_interrupted, listen, note_ending
 
@@ -43,7 +44,7 @@ def _end_interrupted(text: bool) -> NoReturn:
 
 
 def _warn(message: Warning | str, *_: Any, **__: Any) -> None:
-    print(f"warning: {message}", file=sys.stderr)
+    print(f"warning: {printable_lines(str(message))}", file=sys.stderr)
 
 
 if __name__ == "__main__":

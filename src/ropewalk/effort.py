@@ -16,7 +16,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ropewalk.capabilities import SYSTEM, WIRES, engine_of
+<<<<<<< HEAD
 from ropewalk.errors import RopewalkError
+=======
+from ropewalk.model.consistency import nodes_of
+>>>>>>> safety
 from ropewalk.model.load import ExternalModel
 from ropewalk.model.mesh import is_asked_for
 from ropewalk.model.plausibility import implausible
@@ -35,8 +39,12 @@ _OF_SYSTEM, _OF_NETS, _OF_WIRES, _OF_CHAINS = (
     (1.0, 0.0014, 0.5),
     (0.4, 0.008, 0.4),
 )
+<<<<<<< HEAD
 _PILOT = 0.7  # s of the processor, that the first part of a run takes
 _LONGEST = 2.0  # s, that an output interval may take at most to be computed for this
+=======
+MOST_NODES = 20_000  # of a motion that is made ready to see how long it will be: more take a minute and gigabytes
+>>>>>>> safety
 _LARGE = 20.0  # times as much of a node of wires whose motion is not linearised: inner steps
 
 
@@ -122,6 +130,8 @@ def _prepared(scenario: Scenario) -> tuple[str, list[str]]:
         return "a motion with models of others, which are not asked here", []
     if is_asked_for(scenario.parts):
         return "a motion on several meshes", []
+    if (nodes := nodes_of(scenario.parts)) > MOST_NODES:
+        return f"a motion of {nodes} nodes, whose steps are found when it begins", []
     if how_long := must_compile(scenario):
         return (
             f"a motion; steps and time are known once its kernels are compiled (once for each kind, {how_long})",
@@ -178,5 +188,5 @@ def about(seconds: float | None) -> str:
 
 def _rounded(number: float) -> str:
     """Two digits of a number, with spaces between thousands."""
-    size = 10.0 ** max(np.floor(np.log10(max(number, 1.0))) - 1.0, 0.0)
+    size = 10.0 ** max(np.floor(np.log10(max(float(number), 1.0))) - 1.0, 0.0)
     return f"{round(number / size) * size:,.0f}".replace(",", " ")

@@ -126,6 +126,11 @@ def printable(text: str) -> str:
     return "".join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in text)
 
 
+def printable_lines(text: str) -> str:
+    """Do the same with all but ends of lines and tabs, in a text of several lines."""
+    return "".join(sign if sign.isprintable() or sign in "\n\t" else repr(sign)[1:-1] for sign in text)
+
+
 def nearest(word: str, options: Iterable[str]) -> str | None:
     """Find the option that `word` most likely meant, or None."""
     choices = list(options)

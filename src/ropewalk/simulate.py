@@ -26,6 +26,7 @@ from ropewalk.model.capabilities import refusal
 from ropewalk.model.consistency import LARGEST_IN_MEMORY, too_large
 from ropewalk.model.crowd import Crowd
 from ropewalk.model.load import GivenForces, assembled
+from ropewalk.model.magnitudes import check_steps, not_computable
 from ropewalk.model.mesh import is_asked_for
 from ropewalk.model.people import with_people
 from ropewalk.model.run import Dynamic, Equilibrium, Linear, Quasistatic, every_of
@@ -221,7 +222,15 @@ def run_of(scenario: Scenario, run_info: RunInfo, times: Array | None = None, pa
         run_info.curvature = SPLINE
     if isinstance(run, Dynamic):
         times = output_times(run) if times is None else times
-        return TimeHistory(_motion(scenario, run, run_info, times, past), run_info, past)
+        try:
+            motion = _motion(scenario, run, run_info, times, past)
+        except (ArithmeticError, ValueError) as error:
+            refused = not_computable(scenario.model_dump(exclude_unset=True), error)
+            if isinstance(error, ScenarioError) or refused is None:
+                raise
+            raise refused from error
+        check_steps(float(times[-1]), run_info.step)
+        return TimeHistory(motion, run_info, past)
     if isinstance(run, Linear):
         return _linear(scenario, run, run_info)
     still = _still(scenario, run_info)

@@ -6,11 +6,12 @@ import io
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from ruamel.yaml import YAML
 
-from conformance.bases import BASES
+from conformance.bases import BASES, TAUT, load, moves, way
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 JUNK = (
@@ -20,6 +21,29 @@ JUNK = (
     "\x07", "é" * 40, "9" * 5000, "x" * 300, "rope", "start", "end", "dynamic", "hooke", "linearised",
     "{kind: mass}", "[0, 0, 0, 0]",
 )  # fmt: skip
+NUMBERS = (
+    "0", "-1", "1e-30", "1e30", "3.7", "100000", "nan", "1e309", "-0.0", "7 kN", "1e-12", "1e-9", "1e-6", "1e6", "1e9",
+    "1e12", "1e15", "1e18", "1e-18",
+)  # fmt: skip
+SWEPT = {"lines": {"rope": TAUT}, "loads": {"w": load("force", way())}, "run": moves()}
+SWEEPS: dict[str, dict[str, Any]] = {
+    "of values": {
+        "over": {"lines.rope.tension": "5:20:5 kN", "loads.w.travel.speed": ["5 m/s", "10 m/s"]},
+        "derived": {"run.until": "2 * rope.elements / speed * 1 m"}, "record": ["max tension", "largest_sag"],
+    },
+    "of whole loads": {
+        "over": {"loads.w": ["{kind: mass, mass: 5, on: rope, travel: {speed: 3, from: 2}}"], "run.every": "10 ms"},
+        "combine": "zip",
+    },
+    "drawn": {
+        "over": {"lines.rope.mass": "uniform(0.5 kg/m, 2 kg/m)", "lines.rope.drag": "loguniform(0.1 1/s, 1 1/s)"},
+        "combine": "sobol", "count": 8, "seed": 1,
+    },
+    "of effects": {
+        "over": {"lines.rope.mass": "uniform(1 kg/m, 2 kg/m)", "loads.w.travel.from": "uniform(1 m, 9 m)"},
+        "combine": "morris", "count": 3,
+    },
+}  # fmt: skip
 Change = Callable[[str, np.random.Generator], str]
 
 
@@ -27,7 +51,8 @@ Change = Callable[[str, np.random.Generator], str]
 def originals() -> tuple[tuple[str, str], ...]:
     """Names and texts of what is spoilt."""
     files = [(path.name, path.read_text(encoding="utf-8")) for path in sorted(EXAMPLES.glob("*.yaml"))]
-    for name, tree in BASES.items():
+    sweeps = {f"sweep {name}": SWEPT | {"sweep": tree} for name, tree in SWEEPS.items()}
+    for name, tree in {**BASES, **sweeps}.items():
         stream = io.StringIO()
         YAML(typ="safe", pure=True).dump(tree, stream)
         files.append((f"base {name}", stream.getvalue()))
@@ -91,8 +116,17 @@ def _number(text: str, chance: np.random.Generator) -> str:
     if not found:
         return text
     one = found[int(chance.integers(0, len(found)))]
-    new = chance.choice(["0", "-1", "1e-30", "1e30", "3.7", "100000", "nan", "1e309", "-0.0", "7 kN"])
+    new = chance.choice(NUMBERS)
     return text[: one.start()] + str(new) + text[one.end() :]
+
+
+def extreme(seed: int, number: int) -> tuple[str, str]:
+    """What a mutant is made of, and its text: an original with one number, or two, of another magnitude."""
+    chance = np.random.default_rng([seed, number, 1])
+    name, text = originals()[int(chance.integers(0, len(originals())))]
+    for _ in range(int(chance.choice([1, 1, 2]))):
+        text = _number(text, chance)
+    return name, text
 
 
 CHANGES: tuple[Change, ...] = (_cut, _insert, _letter, _value, _lines, _other, _number)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 
-from fuzzing.mutants import mutant, originals
-from fuzzing.reading import READ, REFUSED, outcome
+from fuzzing.mutants import EXAMPLES, extreme, mutant, originals
+from fuzzing.reading import READ, REFUSED, checked, outcome
+from ropewalk.cli import console
 
-EACH = 800
+EACH, CHECKED = 800, 60
 WAS_WRONG = {
     "a line from a place to itself, in small motion": """
 gravity: 0
@@ -35,6 +38,18 @@ def test_spoilt_files_are_read_or_refused_with_place_and_remedy(seed: int) -> No
     wrong = {number: what for number, what in found.items() if what not in (READ, REFUSED)}
     assert not wrong, "\n".join(f"mutant {seed} {number}: {what}" for number, what in wrong.items())
     assert {READ, REFUSED} == set(found.values())
+
+
+@pytest.mark.parametrize("made", [mutant, extreme])
+def test_spoilt_files_are_checked_without_failing(
+    made: Callable[[int, int], tuple[str, str]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As the command does: files, the sweep, and how the run would begin; `python -m fuzzing SECONDS SEED check`."""
+    monkeypatch.chdir(EXAMPLES)
+    monkeypatch.setattr(console, "PATIENCE", 1.0)
+    found = {number: outcome(made(4, number)[1], read=checked) for number in range(CHECKED)}
+    wrong = {number: what for number, what in found.items() if what not in (READ, REFUSED)}
+    assert not wrong, "\n".join(f"{made.__name__} 4 {number}: {what}" for number, what in wrong.items())
 
 
 @pytest.mark.parametrize("text", WAS_WRONG.values(), ids=WAS_WRONG)

@@ -16,6 +16,8 @@ from ropewalk.results import Recorder, ResultError, check_target, open_result
 from ropewalk.results.files import beside
 from ropewalk.results.target import alone, check_own
 from ropewalk.simulate import simulate
+from ropewalk.studio.folder import Folder, OutsideError, check_inside
+from ropewalk.sweeps.writing import check_outputs
 
 HOLDS = """
 import sys, time
@@ -138,6 +140,39 @@ def test_strange_names_are_refused(name: str | bytes, why: str, tmp_path: Path) 
     with pytest.raises(RopewalkError, match=why) as message:
         check_target(file)
     str(message.value).encode()
+
+
+def _as_of_3_13(file: Path, strict: bool = False) -> Path:
+    """`Path.resolve` of Python 3.13, which takes a loop of links for a file that is not there yet."""
+    return Path(os.path.realpath(file, strict=strict))
+
+
+@pytest.mark.parametrize("is_newer", [False, True], ids=["here", "3.13"])
+@pytest.mark.parametrize("name", ["one.nc", "pair.nc", "folder/x.nc", "to/loop.nc"])
+def test_a_loop_of_links_is_refused_by_every_python(
+    name: str, is_newer: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "one.nc").symlink_to(tmp_path / "one.nc")
+    (tmp_path / "pair.nc").symlink_to(tmp_path / "other.nc")
+    (tmp_path / "other.nc").symlink_to(tmp_path / "pair.nc")
+    (tmp_path / "folder").symlink_to("folder")
+    (tmp_path / "to").mkdir()
+    (tmp_path / "to" / "loop.nc").symlink_to("../one.nc")
+    if is_newer:
+        monkeypatch.setattr(Path, "resolve", _as_of_3_13)
+    links = sorted(tmp_path.rglob("*"))
+    with pytest.raises(RopewalkError, match=r"cannot be written to \(Too many levels of symbolic links\)"):
+        check_target(tmp_path / name)
+    with pytest.raises(RopewalkError, match="cannot be written to"):
+        simulate(still(), file=tmp_path / name)
+    with pytest.raises(RopewalkError, match=r"cannot be written|does not exist"):
+        check_outputs([tmp_path / name])
+    with pytest.raises(OutsideError, match="cannot be followed to a file"):
+        Folder(tmp_path).file("one.nc", (".nc",))
+    with pytest.raises(ScenarioError, match="lies outside of the folder"):
+        check_inside({"file": name}, tmp_path.resolve())
+    assert sorted(tmp_path.rglob("*")) == links
+    assert all(link.is_symlink() or link.is_dir() for link in links)
 
 
 def test_more_than_fits_into_memory_asks_for_a_file() -> None:

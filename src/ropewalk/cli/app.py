@@ -22,6 +22,7 @@ from ropewalk.cli.console import (
     TRACEBACK,
     check_pictures,
     display_units,
+    echo,
     fail,
     finish,
     foreseen,
@@ -65,7 +66,7 @@ app = typer.Typer(
 
 def _version(wanted: bool) -> None:
     if wanted:
-        typer.echo(f"ropewalk {ropewalk.__version__}")
+        echo(f"ropewalk {ropewalk.__version__}")
         raise typer.Exit
 
 
@@ -119,9 +120,9 @@ def check(file: ScenarioFile, settings: Settings = None) -> None:
             import_module("ropewalk.sweeps.plan").Plan.of(scenario, scenario.sweep)
         names = ", ".join((*scenario.lines, *scenario.overhead_lines, *scenario.loads))
         work, warnings = foreseen(file, scenario)
-        typer.echo(f"{file}: fine ({scenario.title}: {names}; {scenario.run.kind})\n{work}")
+        echo(f"{file}: fine ({scenario.title}: {names}; {scenario.run.kind})\n{work}")
         for warning in warnings:
-            typer.echo(f"warning: {warning}")
+            echo(f"warning: {warning}")
 
 
 @app.command()
@@ -321,8 +322,8 @@ def feedback(file: ScenarioFile, no_code: NoCode = False, settings: Settings = N
             widths = [max(len(row[k]) for row in rows) for k in range(3)]
             for what, coupled, without, change in rows:
                 row = f"{what:{widths[0]}}  {coupled:>{widths[1]}}  {without:>{widths[2]}}  {change}"
-                typer.echo(row.rstrip())
-            typer.echo(f"\n{found.verdict}")
+                echo(row.rstrip())
+            echo(f"\n{found.verdict}")
 
 
 @app.command()
@@ -347,7 +348,7 @@ def compare(
         elif not quiet:
             print_columns(found.table())
             print_columns([("", ""), *found.assumptions.table(), ("", "")])
-            typer.echo(found.verdict)
+            echo(found.verdict)
         for picture in output or []:
             save_figure(found.figure(), picture)
             if not quiet:

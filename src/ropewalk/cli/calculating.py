@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from ropewalk.cli.console import display_units, print_columns, print_json, reported
+from ropewalk.cli.console import display_units, echo, print_columns, print_json, reported
 
 
 def calc(
@@ -34,10 +34,10 @@ def calc(
         if name is None:
             print_columns(command.overview())
         elif not given:
-            typer.echo(command.quantities_of(name))
+            echo(command.quantities_of(name))
         else:
             answer = command.calculated(name, given)
             if as_json:
                 print_json(answer.as_dict())
             else:
-                typer.echo(command.text(answer, displayed))
+                echo(command.text(answer, displayed))

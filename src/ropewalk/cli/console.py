@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import sys
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
@@ -20,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 from typer import CallbackParam
 
+from ropewalk.errors import printable_lines
 from ropewalk.interrupts import EXIT_CODE as INTERRUPTED
 from ropewalk.interrupts import is_interrupted, note_kept
 from ropewalk.permission import code_restored, forbid_code, is_code_forbidden
@@ -38,12 +40,14 @@ FILM_SUFFIXES = (".gif", ".mp4")
 REPORT_SUFFIX = ".html"
 EXPORT_SUFFIX = ".pvd"
 TABLE_SUFFIXES = (".csv", ".xlsx", ".parquet")
+_CONTROL = re.compile("[\x7f-\x9f]")  # signs that control a terminal and stand in JSON as they are
 Progress = Callable[[float], None]
 Report = Callable[..., None]  # a task, the part that is done, and maybe what it is at
 _READ: ContextVar[tuple[Path, tuple[str, ...]] | None] = ContextVar("read", default=None)  # file and settings
 # Part of the whole from which on what is done tells what is left: before, kernels are still loaded.
 _KNOWN = 0.02
 _BRIEF = 4_000_000  # bytes of a result that is read and summarised in less than 0.1 s
+PATIENCE = 6.0  # s of computing, after which `check` gives up to find how a run begins
 _BETWEEN_LINES = 30.0  # s between lines that tell how far what takes long has come
 TRACEBACK: ContextVar[bool] = ContextVar("traceback", default=False)
 
@@ -109,11 +113,11 @@ def print_summary(found: dict[str, Any], as_json: bool, quiet: bool, units: Disp
     elif not quiet:
         from ropewalk.results import text
 
-        typer.echo(text(found, units))
+        echo(text(found, units))
 
 
 def print_json(value: Any) -> None:
-    typer.echo(json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False))
+    typer.echo(_CONTROL.sub(_escaped, json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False)))
 
 
 def print_columns(rows: list[tuple[str, ...]]) -> None:
@@ -121,7 +125,7 @@ def print_columns(rows: list[tuple[str, ...]]) -> None:
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
     for what, *values in rows:
         cells = [f"{value:>{width}}" for value, width in zip(values, widths[1:], strict=True)]
-        typer.echo("  ".join([f"{what:{widths[0]}}", *(cells if len(cells) > 1 else values)]).rstrip())
+        echo("  ".join([f"{what:{widths[0]}}", *(cells if len(cells) > 1 else values)]).rstrip())
 
 
 def check_pictures(
@@ -202,7 +206,16 @@ def quantity_of(text: str, unit: str) -> float:
 
 
 def say(message: str) -> None:
-    typer.echo(message, err=True)
+    echo(message, err=True)
+
+
+def echo(text: str, *, err: bool = False) -> None:
+    """Print text, in which signs that control a terminal are escapes: titles and messages of files may hold any."""
+    typer.echo(printable_lines(text), err=err)
+
+
+def _escaped(sign: re.Match[str]) -> str:
+    return f"\\u{ord(sign[0]):04x}"
 
 
 def fail(message: str, code: int = BAD_INPUT) -> None:
@@ -292,12 +305,15 @@ def _in_lines() -> Report:
 
 def foreseen(file: Path, scenario: Scenario) -> tuple[str, list[str]]:
     """What a run will be, in words, and what is to be remarked of how it begins; leaves where it would not begin."""
+    from ropewalk.cli.deadline import Overdue, deadline
     from ropewalk.effort import foreseen as words
     from ropewalk.errors import RopewalkError
 
     try:
-        with progress_of_many(quiet=False) as report, _compiling(report):
+        with progress_of_many(quiet=False) as report, _compiling(report), deadline(PATIENCE):
             return words(scenario)
+    except Overdue:
+        return f"how its run begins was not found within {PATIENCE:g} s of computing, and is not looked for here", []
     except RopewalkError as problem:
         fail(f"{file}: no mistake was found, but its run would not begin: {problem}", STOPPED_EARLY)
         raise

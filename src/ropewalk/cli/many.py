@@ -11,6 +11,7 @@ import typer
 from ropewalk.cli.console import (
     FIGURE_SUFFIXES,
     check_pictures,
+    echo,
     load_scenario,
     now_called,
     print_json,
@@ -52,7 +53,7 @@ def adequacy(
     if as_json:
         print_json(found.as_dict())
     elif not quiet:
-        typer.echo("\n".join(str(found.coverage(name)) for name in model))
+        echo("\n".join(str(found.coverage(name)) for name in model))
 
 
 def sweep(

@@ -29,6 +29,9 @@ def studio(
         int | None,
         typer.Option("--workers", metavar="N", min=0, help="Processes of a sweep [default: one for each core]."),
     ] = None,
+    disk: Annotated[
+        float, typer.Option("--disk", metavar="GB", help="Most that files of the folder may take; 0: no limit.")
+    ] = 20.0,
 ) -> None:
     """See, drag, run and share structures in the browser. Served to this machine only."""
     with reported():
@@ -44,5 +47,6 @@ def studio(
         except ImportError as problem:
             fail(f'{problem}; the studio needs more packages: pip install "ropewalk[studio]"')
             raise
-        settings = serving.Settings(folder, name, allow_code, int(memory * 1e9), max(pages, 1), seconds, workers)
+        memory, disk = 1e9 * memory, 1e9 * disk
+        settings = serving.Settings(folder, name, allow_code, int(memory), max(pages, 1), seconds, workers, int(disk))
         serving.serve(settings, port, browser)

@@ -101,7 +101,7 @@ def give_up_calls(own: int) -> None:
     """
     machine = _MACHINES[platform.machine()]
     lines = _filter(machine, own)
-    instructions = (_Instruction * len(lines))(*lines)
+    instructions = (_Instruction * len(lines))(*(_Instruction(*line) for line in lines))
     program = _Program(len(lines), instructions)
     if ctypes.CDLL(None, use_errno=True).syscall(
         _number_of_seccomp(machine), _SET_MODE_FILTER, 0, ctypes.byref(program)

@@ -31,7 +31,7 @@ EXCESS = {
 """What a child was ended for, by the exit code of its supervisor."""
 
 
-class _Told(BaseException):
+class _Ended(BaseException):
     """The run has asked for the end."""
 
 
@@ -68,7 +68,7 @@ def _serve(folder: str, trouble: str) -> None:
     os.environ["TMPDIR"] = folder
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     sys.dont_write_bytecode = True
-    from ropewalk.external.isolation import serve  # lazy: this imports NumPy
+    from ropewalk.external.fmu_process import serve  # lazy: this imports NumPy
 
     serve(folder, trouble)
 
@@ -79,9 +79,9 @@ def _supervise(child: int, printed: int, folder: str, parent: int) -> NoReturn:
         os.dup2(os.open(os.devnull, os.O_RDWR), stream)
     status, code = 0, 0
     try:
-        signal.signal(signal.SIGTERM, _tell)
+        signal.signal(signal.SIGTERM, _end)
         status, code = _watched(child, _Relay(printed), folder, parent)
-    except _Told:
+    except _Ended:
         code = 1
     finally:
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
@@ -98,8 +98,8 @@ def _supervise(child: int, printed: int, folder: str, parent: int) -> NoReturn:
     os._exit(code or os.waitstatus_to_exitcode(status))
 
 
-def _tell(_number: int, _frame: object) -> NoReturn:
-    raise _Told
+def _end(_number: int, _frame: object) -> NoReturn:
+    raise _Ended
 
 
 def _watched(child: int, relay: _Relay, folder: str, parent: int) -> tuple[int, int]:

@@ -21,6 +21,7 @@ from ropewalk.model.history import SpeedTable
 from ropewalk.model.joints import check_joints
 from ropewalk.model.line import spatial
 from ropewalk.model.load import MovingForce, Travelling
+from ropewalk.model.magnitudes import check_magnitudes
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
 from ropewalk.model.mesh import check_mesh
@@ -68,6 +69,7 @@ def check(parts: Parts) -> list[Finding]:
             check_joints,
             check_tracks,
             check_settings,
+            check_magnitudes,
             check_mesh,
             check_space,
             check_beginning,
@@ -266,6 +268,15 @@ def _size(parts: Parts) -> Iterator[Finding]:
     yield from too_large(parts, LARGEST_RESULT)
 
 
+def nodes_of(parts: Parts) -> int:
+    """Return the number of nodes and contacts of all lines, about."""
+    contacts = sum(
+        len(load.starts()) if isinstance(load, Axles | Carriage | Vehicle) else 1 for load in parts.loads.values()
+    )
+    nodes = contacts + sum(line.elements + 1 for line in parts.lines.values() if line is not None)
+    return nodes + sum(int(2.0 * line.length / line.element) for line in parts.overhead.values() if line is not None)
+
+
 def too_large(parts: Parts, most: float, otherwise: str = "") -> Iterator[Finding]:
     """Find whether a result would hold more than so many places of nodes.
 
@@ -282,11 +293,7 @@ def too_large(parts: Parts, most: float, otherwise: str = "") -> Iterator[Findin
         frames, key = float(run.positions), ("run", "positions")
     else:
         return
-    contacts = sum(
-        len(load.starts()) if isinstance(load, Axles | Carriage | Vehicle) else 1 for load in parts.loads.values()
-    )
-    nodes = contacts + sum(line.elements + 1 for line in parts.lines.values() if line is not None)
-    nodes += sum(int(2.0 * line.length / line.element) for line in parts.overhead.values() if line is not None)
+    nodes = nodes_of(parts)
     if frames * nodes > most:
         number = f"{frames * nodes:.3g} node positions ({frames:.4g} frames of {nodes} nodes)"
         action = "positions" if isinstance(run, Quasistatic) else "every"

@@ -26,6 +26,8 @@ def check_target(file: Path) -> Path:
             else is writing it.
     """
     try:
+        with suppress(FileNotFoundError):  # else there is no loop of links, which resolve takes for a file from 3.13 on
+            Path(file).expanduser().stat()
         target = Path(file).expanduser().resolve()
         folder = target.parent
         if not folder.is_dir():

@@ -32,7 +32,7 @@ from ropewalk.results.strength import StrengthWatch
 from ropewalk.results.sudden_wind import blows_at_once
 
 if TYPE_CHECKING:
-    from ropewalk.model import Scenario
+    from ropewalk.model import AnyLoad, Scenario
 
 WATCHES = (
     StrainRangeWatch, AxialRestraintWatch, StartPositionWatch, PushWatch, GroundWatch, LostContactWatch, HangingWatch,

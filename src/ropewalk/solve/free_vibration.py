@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 import scipy.linalg as linalg
 import scipy.sparse as sparse
-from scipy.sparse.linalg import LinearOperator, eigsh, splu
+from scipy.sparse.linalg import LinearOperator, splu
 
 from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.chain import Array
 from ropewalk.results.spectrum import Modes, Spectrum
 from ropewalk.solve.equations import Equations
+from ropewalk.solve.lanczos import eigenpairs
 from ropewalk.solve.one_thread import one_thread
 from ropewalk.solve.spectrum import LOWEST, unit
 from ropewalk.solve.symmetric import IndefiniteError, Solver, modes
@@ -116,7 +117,7 @@ def _by_iteration(K: Any, M: Any, bound: float, how_many: int) -> tuple[Array, A
         raise _without_mass()
     inverse = LinearOperator(K.shape, matvec=solver.solve, dtype=np.float64)
     start = np.random.default_rng(1).uniform(0.5, 1.5, K.shape[0])  # the same each time, with a share of every mode
-    squares, vectors = eigsh(K, k=how_many, M=M, sigma=-shift, OPinv=inverse, which="LM", v0=start)
+    squares, vectors = eigenpairs(K, how_many, M=M, sigma=-shift, OPinv=inverse, which="LM", v0=start)
     order = np.argsort(squares)
     return squares[order], vectors[:, order]
 
@@ -136,9 +137,9 @@ def _top(K: Any, M: Any) -> float:
     diagonal = M.diagonal()
     if abs(M - sparse.diags(diagonal)).sum() == 0.0:
         root = sparse.diags(1.0 / np.sqrt(diagonal))
-        return float(eigsh(root @ K @ root, k=1, which="LA", return_eigenvectors=False)[0])
+        return float(eigenpairs(root @ K @ root, 1, which="LA", return_eigenvectors=False)[0])
     light = LinearOperator(M.shape, matvec=splu(M).solve, dtype=np.float64)
-    return float(eigsh(K, k=1, M=M, Minv=light, which="LA", return_eigenvectors=False)[0])
+    return float(eigenpairs(K, 1, M=M, Minv=light, which="LA", return_eigenvectors=False)[0])
 
 
 def _damped(K: Any, C: Any, M: Any, w: float, ratio: float, shape: Array) -> float:

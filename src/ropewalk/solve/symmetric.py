@@ -18,6 +18,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.solve.lanczos import eigenpairs
 from ropewalk.solve.one_thread import one_thread
 
 Way = Literal["auto", "band", "sparse"]
@@ -291,7 +292,7 @@ def _lowest(matrix: csr_array, bound: float, how_many: int) -> tuple[Array, Arra
     inverse = sparse_linalg.LinearOperator(matrix.shape, matvec=solver.solve, dtype=np.float64)
     # A fixed start gives the same answer each time; it has a share of every mode, symmetric or not.
     start = np.random.default_rng(1).uniform(0.5, 1.5, matrix.shape[0])
-    inverses, vectors = sparse_linalg.eigsh(inverse, k=how_many, which="LA", v0=start)
+    inverses, vectors = eigenpairs(inverse, how_many, which="LA", v0=start)
     squares = 1.0 / inverses - shift
     order = np.argsort(squares)
     return squares[order], vectors[:, order]

@@ -33,10 +33,28 @@ class Folder:
         """
         if not name or len(name) > 200 or any(sign in name for sign in "/\\\0:") or name.startswith("."):
             raise OutsideError("name a file of the folder that the studio was opened in, without a path")
-        found = (self.path / name).resolve()
+        found = _resolved(self.path / name)
         if found.parent != self.path or found.suffix.lower() not in kinds:
             raise OutsideError(f"{name}: must be a file of this folder that ends in {', '.join(kinds)}")
         return found
+
+    def bytes_left(self, most: int) -> int:
+        """Return how many bytes may still be written until scenarios and results here take so many.
+
+        Raises:
+            RopewalkError: none.
+        """
+        kinds, used = (*SCENARIOS, *RESULTS, ".jsonl"), 0
+        for entry in os.scandir(self.path):
+            if Path(entry.name).suffix.lower() in kinds:
+                with suppress(OSError):
+                    used += entry.stat().st_size
+        if used >= most:
+            remedy = "delete results, or open the studio with a larger --disk"
+            raise RopewalkError(
+                f"scenarios and results in the folder take {used / 1e9:.3g} GB, at most {most / 1e9:.3g} GB: {remedy}"
+            )
+        return most - used
 
     def files(self) -> dict[str, list[str]]:
         """Names of scenarios and results."""
@@ -87,6 +105,20 @@ class Folder:
         return {"name": name, "stamp": _stamp(file)}
 
 
+def _resolved(file: Path) -> Path:
+    """Return a file with all links followed.
+
+    Raises:
+        OutsideError: they lead in a loop, which only some versions of Python report.
+    """
+    try:
+        with suppress(FileNotFoundError, NotADirectoryError):
+            file.stat()
+        return file.resolve()
+    except (OSError, RuntimeError, ValueError):
+        raise OutsideError(f"{file.name}: cannot be followed to a file") from None
+
+
 def _stamp(file: Path) -> str:
     """What changes when a file is written; empty if there is none."""
     try:
@@ -108,7 +140,11 @@ def check_inside(tree: Any, folder: Path) -> None:
     """
     problems = []
     for key, given in _files(tree, ()):
-        if not (folder / given).resolve().is_relative_to(folder):
+        try:
+            is_inside = _resolved(folder / given).is_relative_to(folder)
+        except OutsideError:
+            is_inside = False
+        if not is_inside:
             remedy = "move the file into the folder, or open the studio where it is"
             problems.append(Problem(".".join(key), "lies outside of the folder of the studio", given, remedy))
     if problems:

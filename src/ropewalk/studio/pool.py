@@ -16,6 +16,7 @@ Message = str | bytes
 Forward = Callable[[Message], Awaitable[None]]
 
 _PATIENCE = 30.0  # s that a worker may take to hear that it is to stop: it may be at its compiler
+_FAREWELL = 0.7  # s, that all workers have when the server ends
 _CONTEXT = multiprocessing.get_context("spawn")
 
 
@@ -27,11 +28,11 @@ class Process:
     """A worker process, and the thread that reads from it."""
 
     def __init__(
-        self, folder: str, allow_code: bool, memory: int, processes: int, loop: asyncio.AbstractEventLoop
+        self, folder: str, allow_code: bool, memory: int, processes: int, disk: int, loop: asyncio.AbstractEventLoop
     ) -> None:
         self._loop = loop
         self._pipe, theirs = _CONTEXT.Pipe()
-        given = theirs, folder, allow_code, memory, processes
+        given = theirs, folder, allow_code, memory, processes, disk
         self._process = _CONTEXT.Process(target=main, args=given)  # no daemon: these begin no processes of a sweep
         self._process.start()
         theirs.close()
@@ -70,7 +71,11 @@ class Process:
         number, future = self._number, self._loop.create_future()
         self._waiting[number] = future, forward
         try:
-            await self._loop.run_in_executor(None, self._put, {**asked, "ticket": number})
+            try:
+                await self._loop.run_in_executor(None, self._put, {**asked, "ticket": number})
+            except (ValueError, TypeError, RecursionError):  # it cannot be sent: there will be no answer
+                future.cancel()
+                raise
             return await asyncio.wait_for(asyncio.shield(future), within)
         except TimeoutError:
             self.kill()
@@ -147,12 +152,12 @@ class Pool:
     """Worker processes: one for checks, which all pages share, and one for each page that computes.
 
     Args:
-        folder, allow_code, memory, processes: of the workers, see `worker.main`.
+        folder, allow_code, memory, processes, disk: of the workers, see `worker.main`.
         most: how many pages may compute.
     """
 
-    def __init__(self, folder: str, allow_code: bool, memory: int, processes: int, most: int) -> None:
-        self._of = folder, allow_code, memory, processes
+    def __init__(self, folder: str, allow_code: bool, memory: int, processes: int, disk: int, most: int) -> None:
+        self._of = folder, allow_code, memory, processes, disk
         self._most, self._idle, self._leased = most, list[Process](), list[Process]()
         self._checker: Process | None = None
         self._checking = asyncio.Lock()
@@ -202,7 +207,8 @@ class Pool:
 
     async def close(self) -> None:
         """Stop all, in time for what they write."""
-        await asyncio.gather(*(one.abandon() for one in self._everyone()))
+        with suppress(TimeoutError):
+            await asyncio.wait_for(asyncio.gather(*(one.abandon() for one in self._everyone())), _FAREWELL)
         self.kill()
 
     def kill(self) -> None:

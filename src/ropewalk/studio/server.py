@@ -30,6 +30,7 @@ from ropewalk.studio.templates import templates
 from ropewalk.sweeps.pool import cores
 
 CHECK_SECONDS = 20.0
+_LARGEST_NUMBER = 2**53  # of a question, which a page counts
 _MOST_PAGES = 24
 _COMPUTED = ("prepare", "pose", "release", "run", "result", "sweep", "case", "models")  # what the worker of a page does
 _KINDS = {"page": "text/html", "report": "text/html", "png": "image/png", "svg": "image/svg+xml",
@@ -48,6 +49,7 @@ class Settings:
     most: int = 4  # pages that compute at the same time
     seconds: float = 3600.0  # of the longest run
     workers: int | None = None  # processes of a sweep; None: one for each core
+    disk: int = 20_000_000_000  # bytes of scenarios and results in the folder; 0: no limit
 
 
 class Studio:
@@ -63,7 +65,9 @@ class Studio:
         self.folder = Folder(settings.folder)
         self.pages = 0
         processes = cores() if settings.workers is None else settings.workers
-        self.pool = Pool(str(self.folder.path), settings.allow_code, settings.memory, processes, settings.most)
+        self.pool = Pool(
+            str(self.folder.path), settings.allow_code, settings.memory, processes, settings.disk, settings.most
+        )
 
     def app(self) -> Guard:
         """The application, behind its token."""
@@ -142,25 +146,34 @@ class PageConnection:
 
     async def serve(self) -> None:
         """Answer until the page closes; then what it computes is stopped."""
-        with suppress(WebSocketDisconnect, RuntimeError):
-            while True:
-                try:
-                    asked = json.loads(await self._socket.receive_text())
-                    number, do = int(asked["id"]), str(asked["do"])
-                except (ValueError, KeyError, TypeError):
-                    await self._socket.close(1003, "not understood")
-                    break
-                if do == "stop":
-                    if self._process is not None and not self._stopping:
-                        self._begin(self._stop(self._process))
-                elif len(self._tasks) < 16:
-                    self._begin(self._answer(number, do, asked))
-                else:
-                    await self._send(json.dumps({"id": number, "error": "too much is asked at once"}))
-        for task in self._tasks:
-            task.cancel()
-        if self._process is not None:
-            await self._studio.pool.give_back(self._process)
+        try:
+            with suppress(WebSocketDisconnect, RuntimeError):
+                await self._listen()
+        finally:  # whatever a page has sent, its worker is free again
+            for task in self._tasks:
+                task.cancel()
+            if self._process is not None:
+                await self._studio.pool.give_back(self._process)
+
+    async def _listen(self) -> None:
+        """Take questions until the page closes or sends what is none."""
+        while True:
+            try:
+                asked = json.loads(await self._socket.receive_text())
+                number, do = int(asked["id"]), str(asked["do"])
+                if abs(number) >= _LARGEST_NUMBER:
+                    raise ValueError("no number of a question")
+                asked["id"] = number
+            except (ValueError, KeyError, TypeError, OverflowError, RecursionError, MemoryError):
+                await self._socket.close(1003, "not understood")
+                break
+            if do == "stop":
+                if self._process is not None and not self._stopping:
+                    self._begin(self._stop(self._process))
+            elif len(self._tasks) < 16:
+                self._begin(self._answer(number, do, asked))
+            else:
+                await self._send(json.dumps({"id": number, "error": "too much is asked at once"}))
 
     def _begin(self, what: Coroutine[Any, Any, None]) -> None:
         task = asyncio.create_task(what)
@@ -186,8 +199,8 @@ class PageConnection:
             found = await self._found(do, asked)
         except RopewalkError as error:
             found = json.dumps({"id": number, "error": str(error)})
-        except (KeyError, TypeError, ValueError) as error:
-            found = json.dumps({"id": number, "error": f"not understood: {error}"})
+        except Exception as error:  # whatever a malformed question leads to costs its answer, not the page
+            found = json.dumps({"id": number, "error": f"not understood: {type(error).__name__}: {error}"})
         with suppress(WebSocketDisconnect, RuntimeError):
             await self._send(found)
 
@@ -218,6 +231,8 @@ class PageConnection:
         if do == "read":
             return studio.folder.read(str(asked["name"]))
         if do == "save":
+            if studio.settings.disk:
+                studio.folder.bytes_left(studio.settings.disk)
             stamp = asked.get("stamp")
             return studio.folder.save(str(asked["name"]), str(asked["text"]), stamp and str(stamp))
         raise RopewalkError(f"{do}: the studio does not do this")

@@ -48,7 +48,7 @@ def serve(settings: Settings, port: int = 0, browser: bool = True) -> None:
         say("note: its page is not built yet; run  make studio  in the checkout, and open the address then")
     config = uvicorn.Config(
         app, log_level="error", ws_max_size=_LARGEST_MESSAGE, limit_concurrency=_MOST_CONNECTIONS,
-        ws_per_message_deflate=False, server_header=False, timeout_graceful_shutdown=3, ws_ping_interval=20.0,
+        ws_per_message_deflate=False, server_header=False, timeout_graceful_shutdown=1, ws_ping_interval=20.0,
     )  # fmt: skip
     if browser:
         webbrowser.open(address)

@@ -7,9 +7,12 @@ from __future__ import annotations
 
 import contextlib
 import json
+import multiprocessing
 import os
 import signal
 import tempfile
+import threading
+import time
 import zipfile
 from collections.abc import Callable
 from multiprocessing.connection import Connection
@@ -23,11 +26,12 @@ if TYPE_CHECKING:
     from ropewalk.studio.poses import Asked, Dragging
 
 MOST_NODES = 50_000  # of a scenario in the studio
+_FAREWELL = 1.5  # s, from the end of the server
 EXPORTS = ("png", "svg", "pdf", "csv", "zip", "xlsx", "gif", "mp4")
 Answer = dict[str, Any]
 
 
-def main(pipe: Connection, folder: str, allow_code: bool, memory: int, processes: int) -> None:
+def main(pipe: Connection, folder: str, allow_code: bool, memory: int, processes: int, disk: int) -> None:
     """Serve until the pipe ends.
 
     Args:
@@ -36,6 +40,7 @@ def main(pipe: Connection, folder: str, allow_code: bool, memory: int, processes
         allow_code: whether scenarios may run code of their own.
         memory: most bytes of data of this process, and of each that it begins.
         processes: of a sweep; 0: this one.
+        disk: most bytes of scenarios and results in the folder; 0: no limit.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which tells us
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small problems, and other pages want the other cores
@@ -47,17 +52,27 @@ def main(pipe: Connection, folder: str, allow_code: bool, memory: int, processes
             import resource
 
             resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
-    worker = ComputingProcess(pipe, Path(folder), allow_code, processes)
+    if (server := multiprocessing.parent_process()) is not None:
+        threading.Thread(target=_leave_with, args=(server,), daemon=True).start()
+    worker = ComputingProcess(pipe, Path(folder), allow_code, processes, disk)
     with contextlib.suppress(EOFError, OSError, KeyboardInterrupt):
         while True:
             worker.serve()
 
 
+def _leave_with(server: Any) -> None:
+    """End this process when its server has gone, after a moment for what it writes; it may be waiting for a sweep."""
+    server.join()
+    time.sleep(_FAREWELL)
+    os._exit(1)
+
+
 class ComputingProcess:
     """What answers questions."""
 
-    def __init__(self, pipe: Connection, folder: Path, allow_code: bool, processes: int) -> None:
+    def __init__(self, pipe: Connection, folder: Path, allow_code: bool, processes: int, disk: int = 0) -> None:
         self._pipe, self._folder, self._allow_code, self._processes = pipe, folder, allow_code, processes
+        self._disk = disk
         self._dragging: Dragging | None = None
         self._waiting = list[Answer]()
         self._xi = 0.0  # m, where the load was dragged to last
@@ -67,7 +82,7 @@ class ComputingProcess:
         from ropewalk.errors import RopewalkError, ScenarioError
 
         asked = self._waiting.pop(0) if self._waiting else self._pipe.recv()
-        ticket, number, do = asked["ticket"], asked["id"], asked["do"]
+        ticket, number, do = asked["ticket"], asked["id"], str(asked["do"])
         try:
             answer: Callable[[Answer], Answer | bytes] | None = getattr(self, f"_do_{do}", None)
             found = {} if answer is None else answer(asked)
@@ -81,6 +96,8 @@ class ComputingProcess:
             found = {"error": "this needs more memory than the studio may take (--memory)"}
         except RecursionError:
             found = {"error": "the blocks are nested too deeply"}
+        except LookupError as error:
+            found = {"error": f"not understood: {error} is missing, or there is no such"}
         except Exception as error:
             found = {"error": f"ropewalk failed ({type(error).__name__}: {error}); this is a fault of ropewalk"}
         self._send(ticket, True, found if isinstance(found, bytes) else {"id": number, **found})
@@ -170,6 +187,21 @@ class ComputingProcess:
             return {"error": "no scenario has been made ready"}
         return self._run(asked, self._dragging.released(self._asked(asked), self._xi), None)
 
+    def _bound_disk(self) -> None:
+        """Bound the files that are written from now on to what is left of the disk, or refuse to begin."""
+        from ropewalk.studio.folder import Folder
+
+        if not self._disk:
+            return
+        bytes_left = Folder(self._folder).bytes_left(self._disk)
+        with contextlib.suppress(ImportError, ValueError, OSError):
+            import resource
+
+            hard = resource.getrlimit(resource.RLIMIT_FSIZE)[1]
+            resource.setrlimit(
+                resource.RLIMIT_FSIZE, (bytes_left if hard == resource.RLIM_INFINITY else min(bytes_left, hard), hard)
+            )
+
     def _do_run(self, asked: Answer) -> Answer:
         """A run as `ropewalk run` does it: its result is written while it goes on, unless it is not to be kept."""
         from ropewalk.studio.folder import RESULTS, Folder
@@ -177,6 +209,7 @@ class ComputingProcess:
         scenario = self._scenario(asked)
         if asked.get("unkept"):
             return self._run(asked, scenario, None)
+        self._bound_disk()
         stem = Path(str(asked.get("name") or "scenario.yaml")).stem
         return self._run(asked, scenario, Folder(self._folder).file(f"{stem}.nc", RESULTS))
 
@@ -242,6 +275,7 @@ class ComputingProcess:
         file, store = folder.file(f"{stem}.sweep.nc", RESULTS), folder.file(f"{stem}.sweep.jsonl", (".jsonl",))
         if file.exists() and read(file) is None:
             raise ResultError(f"{file.name}: is there already and is no sweep; it is left alone")
+        self._bound_disk()
         checked_plan(scenario, wished(scenario, None), self._allow, self._folder)
 
         def progress(done: int, total: int) -> None:

@@ -7,9 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import typer
-
-from ropewalk.cli.console import DOUBTFUL, STOPPED_EARLY, fail, print_json, say
+from ropewalk.cli.console import DOUBTFUL, STOPPED_EARLY, echo, fail, print_json, say
 from ropewalk.errors import Problem, ScenarioError
 from ropewalk.interrupts import EXIT_CODE as INTERRUPTED
 from ropewalk.model import Scenario
@@ -78,9 +76,9 @@ def tell(dataset: xr.Dataset, outputs: list[Path], as_json: bool, quiet: bool) -
     if as_json:
         print_json(plain(dataset))
     elif not quiet:
-        typer.echo(table_text(dataset))
+        echo(table_text(dataset))
         if (effects := effects_table(dataset)) is not None:
-            typer.echo("\n" + effects.to_string(index=False, float_format=lambda value: f"{value:.4g}", na_rep=""))
+            echo("\n" + effects.to_string(index=False, float_format=lambda value: f"{value:.4g}", na_rep=""))
 
 
 def finish(dataset: xr.Dataset, store: Path, outputs: list[Path], quiet: bool) -> None:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import ctypes
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 import time
 import warnings
@@ -28,6 +30,8 @@ BEGINNINGS = 3
 """How often processes may die before they compute anything: from a script without its guard they always do."""
 # One thread for each process: the tasks themselves fill the cores, and sums come out the same on any number of them.
 _THREADS = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
+_PARENT_DEATH_SIGNAL = 1  # of prctl
 
 CHUNK, BRIEF = 16, 0.1
 """The most tasks that are sent together, and the seconds that these may take: to send some costs a millisecond."""
@@ -157,7 +161,16 @@ def _begin() -> None:
     warnings.simplefilter("ignore")
     parent = multiprocessing.parent_process()
     if parent is not None:
+        _die_with(parent.pid or 0)
         threading.Thread(target=_leave_with, args=(parent,), daemon=True).start()
+
+
+def _die_with(parent: int) -> None:
+    """Have the kernel end this process with its parent, where it can: a thread waits for what holds the interpreter."""
+    if sys.platform.startswith("linux"):
+        ctypes.CDLL(None).prctl(_PARENT_DEATH_SIGNAL, signal.SIGKILL, 0, 0, 0)
+        if os.getppid() != parent:
+            os._exit(1)
 
 
 def _leave_with(parent: Any) -> None:

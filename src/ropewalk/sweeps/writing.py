@@ -30,6 +30,12 @@ def check_outputs(files: list[Path]) -> None:
             raise ResultError(f"{file}: a sweep is written as {', '.join(SUFFIXES)}")
         if not file.parent.is_dir():
             raise ResultError(f"{file}: the folder {file.parent} does not exist; create it or choose another place")
+        try:
+            file.stat()
+        except FileNotFoundError:
+            pass
+        except OSError as problem:
+            raise ResultError(f"{file}: cannot be written ({problem.strerror}); choose another place") from None
         if file.suffix.lower() in TABLES:
             check_tables(file)
 
