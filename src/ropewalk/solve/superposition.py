@@ -214,7 +214,7 @@ class Superposition:
             self._steps[key] = ModalStep(self.modes.rate, h)
         return self._steps[key]
 
-    def _shares(self, touch: ContactsAtInstant) -> Array:
+    def shares(self, touch: ContactsAtInstant) -> Array:
         """How places share unit forces of all contacts, (place, contact and axis)."""
         E = np.zeros((self._axes * self._nodes, touch.contact.size * self._axes))
         for i, (near, weight) in enumerate(zip(touch.near, touch.weight, strict=True)):
@@ -222,6 +222,12 @@ class Superposition:
                 used = weight != 0.0
                 E[a * self._nodes + near + np.flatnonzero(used), i * self._axes + a] = weight[used]
         return E
+
+    def neglected(self, touch: ContactsAtInstant) -> tuple[Array, Array]:
+        """Return how far unit forces upwards move their contacts at rest without modes, and in all, (contact,) m/N."""
+        at = self.shares(touch)[:, self._axes - 1 :: self._axes]
+        left = np.diagonal(self.modes.remainder(at)[1])
+        return left, left + ((self.modes.still.T @ at) ** 2).sum(axis=0)
 
     def _rows(self, touch: ContactsAtInstant) -> tuple[Complex, Complex]:
         """Displacements of modes at all contacts (contact and axis, mode), and how forces there drive them."""
@@ -319,7 +325,7 @@ class Superposition:
             for i, (_, driven) in enumerate(rows):
                 G[j, :, i] = ((shape * step.weight[j, i]) @ driven.T).real
             if self.modes.left_out:
-                shares = self._shares(touches[j])
+                shares = self.shares(touches[j])
                 G[j, :, j] += self.modes.remainder(shares)[1]
                 known[j] += gusts[j] * (self._leans @ shares)
         known += np.tensordot(G, N, axes=2)
@@ -386,7 +392,7 @@ class Superposition:
         found = (np.array([one.z for one in seen]) @ self.modes.shape.T).real
         if self.modes.left_out:
             for row, one in zip(found, seen, strict=True):
-                row += self.modes.remainder(self._shares(one.touch))[0] @ one.pressing + one.gusts * self._leans
+                row += self.modes.remainder(self.shares(one.touch))[0] @ one.pressing + one.gusts * self._leans
         return np.asarray(found)
 
     def _moment(self, seen: _Seen, place: Array) -> Moment:
@@ -397,7 +403,7 @@ class Superposition:
         velocity, acceleration = (speeds @ self.modes.shape.T).real
         if self.modes.left_out and pressed is not None:
             follows = [
-                self.modes.remainder(self._shares(at))[0] @ own + part * self._leans
+                self.modes.remainder(self.shares(at))[0] @ own + part * self._leans
                 for at, own, part in zip(pressed.touches, pressed.force, pressed.gusts, strict=True)
             ]
             velocity = velocity + np.tensordot(RATE_AT_END / pressed.h, follows, axes=1)

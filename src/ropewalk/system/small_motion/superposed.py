@@ -53,6 +53,7 @@ _STORED = ("kinetic", "elastic", "gravitational", "load_kinetic", "load_potentia
 _KNOWN = [ENERGY_FORMS.index(form) for form in _STORED]
 _DRAWN = 1e-2  # of the largest force of a pantograph: by so much it may draw the wire down as it begins
 _DRIFTS = 1e-3  # rad that what nothing holds would swing in the time of the run: a drift but for their square
+_INSTANTS, _NEGLECTED = 20, 0.005  # instants at which a part is computed that modes neglect, and one that is reported
 _LINKS = 0.5  # of a link, that contacts go in the longest step
 
 
@@ -150,11 +151,27 @@ class Superposed:
                 "compare with kind: dynamic, geometry: linearised",
             )  # fmt: skip
         displayed = [s for s in stretches if s.displayed]
+        if self.modes.left_out:
+            self._warn_of_modes(motion, displayed)
         lost: set[int] = set()
         for t, moment, on in zip(self._times, moments, [stretches[0].on, *(s.on for s in displayed)], strict=True):
             self._ask_contact(float(t), moment, lost)
             yield self._frame(float(t), moment, on)
         self._doubt_contact()
+
+    def _warn_of_modes(self, motion: Superposition, stretches: list[Stretch]) -> None:
+        """Warn of a number of modes that leaves the inertia of much of the static response out."""
+        few, count = stretches[:: max(1, len(stretches) // _INSTANTS)], self._scenario.run.modes
+        parts = [motion.neglected(self._passing.at(s.end, s.on)) for s in few]
+        left, whole = (
+            max((float(own.max(initial=0.0)) for own in one), default=0.0) for one in zip(*parts, strict=True)
+        )
+        part = left / (whole or 1.0)
+        if count is not None and part > _NEGLECTED:
+            self._run_info.warnings.append(
+                f"run.modes: up to {100.0 * part:.2g} % of the static displacement under a load lies outside of {count} "
+                f"modes and follows without inertia; leave modes out, or write {2 * count} and compare"
+            )
 
     def _bodies(self) -> ModalBodies:
         own, loaded = self._loaded.own, self._loaded
