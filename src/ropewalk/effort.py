@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ropewalk.capabilities import SYSTEM, WIRES, engine_of
+from ropewalk.capabilities import SUPERPOSED, SYSTEM, WIRES, engine_of
 from ropewalk.model.load import ExternalModel
 from ropewalk.model.mesh import is_asked_for
 from ropewalk.model.run import Dynamic, Linear, Quasistatic
@@ -29,6 +29,7 @@ _OF_SYSTEM, _OF_NETS, _OF_WIRES, _OF_CHAINS = (
     (1.0, 0.0014, 0.5),
     (0.4, 0.008, 0.4),
 )
+_BODIES = ("mass", "oscillator", "vehicle", "train", "matrices", "pantograph")
 _LARGE = 20.0  # times as much of a node of wires whose motion is not linearised: inner steps
 
 
@@ -95,7 +96,12 @@ def foreseen(scenario: Scenario) -> tuple[str, list[str]]:
     if isinstance(run, Quasistatic):
         return f"{run.positions} equilibria", []
     if isinstance(run, Linear):
-        return "closed forms or modes, without steps", []
+        if engine_of(scenario) is not SUPERPOSED or not any(load.kind in _BODIES for load in scenario.loads.values()):
+            return "closed forms or modes, without steps", []
+        return "modes, and bodies in steps that are halved until results stay the same", [
+            "bodies on modes of a structure take 10 to 100 times as long as steps of the whole motion; to wait less, "
+            "write run: {kind: dynamic, geometry: linearised}"
+        ]
     if not isinstance(run, Dynamic):
         return "one equilibrium", []
     if any(isinstance(load, ExternalModel) for load in scenario.loads.values()):

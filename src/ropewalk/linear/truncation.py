@@ -1,4 +1,4 @@
-"""Truncation error of a sum of modes: static responses in the kept modes against those in many, under the same loads."""
+"""Truncation error of a sum of modes: static responses in the kept modes against those in many."""
 
 from __future__ import annotations
 
