@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -41,3 +42,39 @@ def test_a_check_foresees_that_bodies_on_modes_take_long() -> None:
     assert any("geometry: linearised" in one for one in foreseen(scenario("rope", 0.1))[1])
     other = scenario("rope", 0.1, kind="dynamic", geometry="linearised")
     assert not any("geometry: linearised" in one for one in foreseen(other)[1])
+
+
+BED: dict[str, Any] = {
+    "start": [0, 0], "end": [20, 0], "length": 20, "mass": 100.0, "bending_stiffness": 2e5, "axial_stiffness": 1e8,
+    "foundation": 3e7, "elements": 16,
+}  # fmt: skip
+HEAVY = {"kind": "vehicle", "bodies": {"box": {"mass": 3000.0}}, "wheels": {"w": {"mass": 600.0}},
+         "springs": {"s": {"between": ["box", "w"], "stiffness": 1e6, "damping": 1e4}}}  # fmt: skip
+
+
+def on_bed(step: float | None, **changed: Any) -> Any:
+    run = {"kind": "dynamic", "geometry": "linearised", "until": 0.2, "every": 0.02} | ({"step": step} if step else {})
+    load = {**HEAVY, "on": "a", "travel": {"speed": 3.0, "from": 8.0, "at_end": "leave"}}
+    return simulate(Scenario.model_validate({"lines": {"a": {**BED, **changed}}, "loads": {"w": load}, "run": run}))
+
+
+def test_a_heavy_wheel_begins_with_its_static_contact_force() -> None:
+    soft = {"bending_stiffness": 2e6, "foundation": 1e6, "mass": 1000.0}
+    long, short = (on_bed(step, **soft).contact_force.values[:, 0, -1] for step in (1e-3, 1.25e-4))
+    assert short[0] == pytest.approx(-3600.0 * 9.80665, rel=1e-2)  # what the kink moves in the first step
+    size = np.abs(short).max()
+    assert long == pytest.approx(short, abs=0.1 * size)  # the coarse mesh rings by some percent; 35 % before
+
+
+def test_steps_too_long_for_a_foundation_are_reported_and_the_remedy_helps() -> None:
+    found = on_bed(None)
+    warned = re.search(r"phase error of .* write run.step: (\S+) s", found.warnings)
+    assert warned is not None
+    better = on_bed(float(warned[1]))
+    assert "phase error" not in better.warnings
+    exact = on_bed(0.25 * float(warned[1]))
+    missed = [
+        float(np.abs(one.position.values[..., 1] - exact.position.values[..., 1]).max()) for one in (found, better)
+    ]
+    assert missed[1] < 0.35 * missed[0]  # of the lowest frequency; higher ones add to it
+    assert "phase error" not in on_bed(None, foundation=0.0).warnings

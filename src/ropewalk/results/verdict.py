@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ropewalk.results.audit import AUDIT, turnover
 from ropewalk.results.calm import started_too_close
+from ropewalk.results.foundation_step import phase_warnings
 from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Array, Doubt, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.ground import GroundWatch
@@ -158,6 +159,7 @@ class Watch:
             force = np.array(self._force).reshape(len(self._instants), len(self.loads))
             run_info.doubts += [doubt for doubt in self._doubts(run_info, force) if doubt not in run_info.doubts]
             run_info.warnings += [remark for remark in self._diagnostics(force) if remark not in run_info.warnings]
+            run_info.warnings += phase_warnings(self.scenario, run_info)
 
     def _doubts(self, run_info: RunInfo, force: Array) -> Iterator[Doubt]:
         yield from self._absent(force)
