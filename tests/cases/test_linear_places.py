@@ -76,3 +76,20 @@ def test_a_mass_comes_from_the_far_end_of_a_string_given_by_its_tension() -> Non
     ]
     there, back = (one.position.values[..., 1] for one in both)
     assert back[:, ::-1] == pytest.approx(there, abs=1e-9)
+
+
+def test_a_train_of_vehicles_that_runs_backwards_is_the_mirror_image() -> None:
+    car = {
+        "length": 8.0, "bodies": {"box": {"mass": 9e3, "inertia": 2e4}},
+        "wheels": {"f": {"at": 2.0, "mass": 100.0}, "r": {"at": -2.0, "mass": 100.0}},
+        "springs": {name: {"between": ["box", name], "stiffness": 2e6, "damping": 8e4} for name in "fr"},
+    }  # fmt: skip
+    own: dict[str, Any] = {"kind": "train", "vehicles": {"car": car}}
+    both = []
+    for V, start in ((20.0, -1.5), (-20.0, 31.5)):
+        load = {"on": "b", **own, "travel": {"speed": V, "from": start}}
+        given = {"gravity": 0.0, "lines": {"b": {"start": [0, 0], "end": [30, 0], **BEAM}}, "loads": {"w": load}}
+        how = {"kind": "linear", "until": 0.4, "every": 0.1, "modes": 6}
+        both.append(simulate(Scenario.model_validate({**given, "run": how})).position.values[..., 1])
+    assert np.abs(both[0]).max() > 1e-6
+    assert both[1][:, ::-1] == pytest.approx(both[0], abs=1e-12)
