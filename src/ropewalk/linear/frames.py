@@ -146,8 +146,8 @@ def _frames(
                         body_place[i, b], body_speed[i, b] = _body(response, chord, body, rows.start + i)
         own = setting.on[s]
         place = seen.xi[:, own] * (chord.length / chord.material)
-        held = reactions(chord, setting.strands.gravity, moved, rate[rows], place, seen.force[:, own])
-        reaction += [held[:, 0], held[:, 1]]
+        supported = reactions(chord, setting.strands.gravity, moved, rate[rows], place, seen.force[:, own])
+        reaction += [supported[:, 0], supported[:, 1]]
     return Frames(
         t,
         {

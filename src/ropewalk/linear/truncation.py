@@ -27,7 +27,7 @@ def truncation_errors(chord: Chord, links: int, modes: int, place: Array, force:
     rows = np.flatnonzero(on.any(axis=1))
     rows = rows[:: max(1, rows.size // _INSTANTS)]
     x, F = np.where(on, place, 0.0)[rows], np.where(on, force, 0.0)[rows]
-    k = np.arange(1, max(_MANY, 4 * modes) + 1) * np.pi / chord.length
+    k: Array = np.arange(1.0, max(_MANY, 4 * modes) + 1.0) * (np.pi / chord.length)
     follows = pressed(x, F[..., None], k)[:, 0] / (
         chord.bending_stiffness * k**4 + chord.tension * k**2 + chord.foundation
     )

@@ -171,7 +171,7 @@ class Superposed:
 
     def _warn_of_modes(self, parts: list[tuple[Array, Array]]) -> None:
         """Warn of a number of modes that leaves the inertia of much of the static response out."""
-        count = self._scenario.run.modes
+        count = getattr(self._scenario.run, "modes", None)
         left, whole = (
             max((float(own.max(initial=0.0)) for own in one), default=0.0) for one in zip(*parts, strict=True)
         )
