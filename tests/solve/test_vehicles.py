@@ -16,7 +16,6 @@ from scipy.linalg import expm
 from motion_cases import order
 from ropewalk.chains.beginning import initial_state
 from ropewalk.errors import RopewalkError
-from ropewalk.mechanics import contact_points
 from ropewalk.model import Dynamic, Line, Scenario
 from ropewalk.simulate import simulate
 from ropewalk.solve.choice import choose
@@ -242,9 +241,7 @@ def test_axles_bear_at_the_start_what_levers_say(wheel: float) -> None:
 
 
 @pytest.mark.parametrize("wheel", [0.0, 0.2, 20.0])
-def test_matrices_are_the_vehicle_that_they_describe(wheel: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    """But for the mass that is pulled along the line: matrices know only what moves up and down."""
-    monkeypatch.setattr(contact_points, "shares", lambda load: dict.fromkeys(load.wheels, 0.0))
+def test_matrices_are_the_vehicle_that_they_describe(wheel: float) -> None:
     vehicle = car(wheel, TRAVEL, 0.1)
     K, C = np.zeros((4, 4)), np.zeros((4, 4))
     for i, (at, k, c) in enumerate(AXLES.values()):

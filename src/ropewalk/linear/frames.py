@@ -10,6 +10,7 @@ from ropewalk.linear.body_response import BodyResponse, response_of
 from ropewalk.linear.chord import Chord, chords
 from ropewalk.linear.field import Field
 from ropewalk.linear.reactions import reactions
+from ropewalk.linear.truncation import truncation_warning
 from ropewalk.mechanics.chain import FRICTIONLESS, REFUSE, Array
 from ropewalk.mechanics.moving_contact import speed_at
 from ropewalk.mechanics.vehicle_matrices import Body
@@ -43,8 +44,33 @@ def frames(setting: PreparedRun, scenario: Scenario, times: Array, run_info: Run
         response.nodes if response is not None else field.motion(field.places, times)
         for field, response in zip(fields, responses, strict=True)
     ]
+    pressed = list[tuple[Array, Array]]()
     for first in range(0, times.size, _TOGETHER):
-        yield _frames(setting, fields, responses, nodes, times, slice(first, min(first + _TOGETHER, times.size)))
+        found = _frames(setting, fields, responses, nodes, times, slice(first, min(first + _TOGETHER, times.size)))
+        pressed.append((found.of["contact_xi"], found.of["contact_force"]))
+        yield found
+    run_info.warnings += _missed_by_modes(setting, fields, pressed)
+
+
+def _missed_by_modes(
+    setting: PreparedRun, fields: list[Field], pressed: list[tuple[Array, Array]]
+) -> Iterator[str]:  # fmt: skip
+    """Warnings of lines on which a given number of modes leaves much of the static response out.
+
+    Args:
+        setting: the run.
+        fields: its lines.
+        pressed: places (instant, load), m, and forces of its loads, (instant, load, axis) N.
+    """
+    where, force = (np.concatenate(parts) for parts in zip(*pressed, strict=True))
+    for field in fields:
+        own, chord = setting.on[field.s], field.chord
+        if field.modes is None or not own.size:
+            continue
+        place, name = where[:, own] * (chord.length / chord.material), setting.lines[field.s]
+        across = force[:, own] @ chord.across[0]
+        if warning := truncation_warning(name, chord, field.places.size - 1, field.modes, place, across):
+            yield warning
 
 
 def _refuse_to_pass(setting: PreparedRun, scenario: Scenario, fields: list[Field], times: Array) -> None:
@@ -120,8 +146,8 @@ def _frames(
                         body_place[i, b], body_speed[i, b] = _body(response, chord, body, rows.start + i)
         own = setting.on[s]
         place = seen.xi[:, own] * (chord.length / chord.material)
-        held = reactions(chord, setting.strands.gravity, moved, rate[rows], place, seen.force[:, own])
-        reaction += [held[:, 0], held[:, 1]]
+        supported = reactions(chord, setting.strands.gravity, moved, rate[rows], place, seen.force[:, own])
+        reaction += [supported[:, 0], supported[:, 1]]
     return Frames(
         t,
         {

@@ -40,7 +40,7 @@ def reactions(chord: Chord, gravity: Array, moved: Array, rate: Array, place: Ar
     m = np.arange(1, _TERMS * n)
     k, sign = m * np.pi / L, np.where(m % 2 == 1, 1.0, -1.0)
     elastic, ends = chord.bending_stiffness * k**4 + chord.tension * k**2, np.stack([1.0 / k, sign / k], axis=1)
-    follows = _pressed(x, P @ across, k) * (2.0 / L) / (elastic + chord.foundation)
+    follows = pressed(x, P @ across, k) * (2.0 / L) / (elastic + chord.foundation)
     sag = np.outer(across @ gravity, (1.0 + sign) * 2.0 * chord.mass / (L * k * (elastic + chord.foundation)))
     out += ((follows + sag) @ (chord.foundation * ends)).swapaxes(1, 2)
     shape = np.sin(np.outer(k, np.arange(1, n) * (L / n)))
@@ -49,7 +49,7 @@ def reactions(chord: Chord, gravity: Array, moved: Array, rate: Array, place: Ar
     return np.asarray(out - (other @ (elastic[:, None] * ends)[: n - 1]).swapaxes(1, 2))
 
 
-def _pressed(x: Array, force: Array, k: Array) -> Array:
+def pressed(x: Array, force: Array, k: Array) -> Array:
     """(instant, axis, term) N, the sum of the forces times the sines at their places."""
     i, j = np.nonzero(force.any(axis=2))
     sines, rows = np.sin(np.outer(x[i, j], k)), (i, np.arange(i.size))

@@ -406,9 +406,8 @@ def _sprung(
         if body.inertia:
             j = index[part, "pitch"]
             vehicle.M[j, j] = body.inertia
-        apart = [body.at - wheel.at for wheel in load.wheels.values()]
-        nearest = min(range(len(on)), key=lambda n: (round(abs(apart[n]), 9), apart[n]))  # in whatever order they are
-        ahead = apart[nearest]
+        nearest = min(range(len(on)), key=lambda n: abs(list(load.wheels.values())[n].at - body.at))
+        ahead = body.at - list(load.wheels.values())[nearest].at
         displayed.append(Body(f"{name}.{part}", on[nearest], ahead, (-1,) * (dim - 1) + (first + i,), body.mass))
     for k, (part, wheel) in zip(on, load.wheels.items(), strict=True):
         if wheel.contact_stiffness is not None:

@@ -17,6 +17,7 @@ from ropewalk.results.axial_restraint import AxialRestraintWatch
 from ropewalk.results.calm import started_too_close
 from ropewalk.results.close_contacts import CloseContactsWatch
 from ropewalk.results.energy_balance import RESIDUAL, EnergyWatch
+from ropewalk.results.foundation_step import phase_warnings
 from ropewalk.results.frame import OFF_LINE, Array, Doubt, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.ground import GroundWatch
@@ -111,7 +112,11 @@ class Watch:
             run_info.warnings[:] = [text for text in run_info.warnings if not text.startswith(RESIDUAL)]  # of a part
             force = np.array(self._force).reshape(len(self._instants), len(self.loads))
             run_info.doubts += [doubt for doubt in self._doubts(run_info, force) if doubt not in run_info.doubts]
-            found = [*self._diagnostics(run_info, force), *self._close.messages(run_info)]
+            found = [
+                *self._diagnostics(run_info, force),
+                *self._close.messages(run_info),
+                *phase_warnings(self.scenario, run_info),
+            ]
             run_info.warnings += [warning for warning in found if warning not in run_info.warnings]
 
     def _doubts(self, run_info: RunInfo, force: Array) -> Iterator[Doubt]:

@@ -126,11 +126,22 @@ class ModalBasis:
         """
         if not self.left_out:
             return np.zeros(at.shape), np.zeros((at.shape[1], at.shape[1]))
+        if at.shape[0] > MOST:
+            moved = self._followed(at)
+            return moved, np.asarray(at.T @ moved)
+        if "flexibility" not in self.__dict__:  # one table is faster than a solution for each force of each step
+            object.__setattr__(self, "flexibility", self._followed(np.eye(at.shape[0])))
+        used = np.flatnonzero(at.any(axis=1))
+        moved = np.asarray(self.__dict__["flexibility"][:, used] @ at[used])
+        return moved, np.asarray(at[used].T @ moved[used])
+
+    def _followed(self, at: Array) -> Array:
+        """Displacements of all places (place, force) without modes, m/N."""
         drift, momentum = self.drift
         pushed = self.free.T @ at
         follows = self._solver.solve(pushed - momentum @ (drift.T @ pushed))
         moved = self.free @ (follows - drift @ (momentum.T @ follows)) - self.still @ (self.still.T @ at)
-        return np.asarray(moved), np.asarray(at.T @ moved)
+        return np.asarray(moved)
 
     @property
     def _solver(self) -> Solver:

@@ -32,6 +32,7 @@ from ropewalk.model.axles import Axles
 from ropewalk.model.capabilities import refusal
 from ropewalk.model.line import Line
 from ropewalk.model.scenario import Scenario
+from ropewalk.model.train import TrainSection
 from ropewalk.model.trolley import Payload, Trolley
 from ropewalk.solve.capabilities import margin_without_mass
 from ropewalk.solve.end_conditions import EndConditions, ends_at
@@ -212,13 +213,13 @@ def _place(
 
 
 def _check_comes(wheel: ContactPoint, end: float, scenario: Scenario) -> None:
-    """Refuse a wheel that begins beyond the end of its line (m, as measured), unless it is an axle of a train.
+    """Refuse a wheel that begins beyond the end of its line (m, as measured), unless it is of a train.
 
     Raises:
-        EquilibriumError: it is.
+        EquilibriumError: another load does.
     """
     load = scenario.loads[wheel.load]
-    if not isinstance(load, Axles):
+    if not isinstance(load, Axles | TrainSection):
         key = "travel.from" if hasattr(load, "travel") else "from"
         raise EquilibriumError(
             f"load {wheel.name} would begin {wheel.start:g} m along its line, which ends at {end:g} m; change {key}"

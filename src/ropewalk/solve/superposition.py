@@ -30,6 +30,7 @@ from ropewalk.solve.radau_iia import C as STAGES
 # which the shortest waves of the mesh ring on.
 TOLERANCE, _RINGING = 1e-5, 100.0
 _HALVINGS = 9
+_SEEN = 4.0  # rad in a step, by which a wheel on a kink may swing so that half the step shows another force
 
 
 class ContactsAtInstant(NamedTuple):
@@ -162,6 +163,24 @@ class Superposition:
         self._blown: Complex = self.gusts.force @ modes.driven  # (mode,)
         self._leans = modes.remainder(self.gusts.force[:, None])[0][:, 0]  # (place,) m, without modes
 
+    def longest(self, touch: ContactsAtInstant) -> float:
+        """Return a step that shows how bodies oscillate on their springs, and wheels on the kinks below, s.
+
+        Much longer ones would damp this, and half of them, too: that they agree would say nothing.
+        """
+        b, (shape, driven) = self.bodies, self._rows(touch)
+        mass = np.diag(b.mass)
+        light = np.divide(1.0, mass, out=np.zeros(mass.size), where=mass > 0.0)
+        square = float((np.diag(b.stiffness) * light).max(initial=0.0))
+        yields = (shape * driven * self.modes.rate).real.sum(axis=1)[
+            self._axes - 1 :: self._axes
+        ]  # 1/kg, below contacts
+        for k, soft, below in zip(touch.contact, touch.soft, yields, strict=True):
+            if b.first[k] >= 0 and (own := light[b.first[k] + self._axes - 1]) > 0.0:
+                square = max(square, (own + below) / soft / _SEEN**2)
+        return float(1.0 / np.sqrt(square)) if square > 0.0 else np.inf
+
+    @np.errstate(over="ignore", invalid="ignore")  # of steps that are too long, which are halved
     def moments(
         self, stretches: Sequence[Stretch], longest: float, start: tuple[Array, Array]
     ) -> tuple[list[Moment], float, float]:
@@ -175,28 +194,30 @@ class Superposition:
         Returns:
             The states, the longest step in s, and what steps twice as long changed of the largest displacement.
         """
-        found, missed = self._pass(stretches, longest, start), np.inf
+        (found, forces), missed = self._pass(stretches, longest, start), np.inf
         places = self._places(found)
         for _ in range(_HALVINGS):
             longest *= 0.5
-            before, place_before = found, places
-            found = self._pass(stretches, longest, start)
+            forces_before, place_before = forces, places
+            found, forces = self._pass(stretches, longest, start)
             places = self._places(found)
             missed = _differ(places, place_before)
             if self.bodies.mass.size:
-                forces, forces_before = (np.nan_to_num([one.force for one in all_of]) for all_of in (found, before))
                 missed = max(missed, _differ(forces, forces_before) / _RINGING)
             if missed <= TOLERANCE:
                 break
         moments = [self._moment(one, place) for one, place in zip(found, places, strict=True)]
         return moments, longest, missed
 
-    def _pass(self, stretches: Sequence[Stretch], longest: float, start: tuple[Array, Array]) -> list[_Seen]:
-        """The same with steps of a given length at most, s."""
+    def _pass(
+        self, stretches: Sequence[Stretch], longest: float, start: tuple[Array, Array]
+    ) -> tuple[list[_Seen], Array]:
+        """The same with steps of a given length at most, s; and contact forces at the ends of all stretches, N."""
         z, (u, w) = self.modes.begin.copy(), (part.copy() for part in start)
         first = stretches[0]
         self._balance(first, z, u, w)
         found, before = [self._look(first.begin, first.on, z, u, w, None)], first.on
+        forces = list[Array]()
         for stretch in stretches:
             self._arrive(stretch, before, z, u, w)
             before, span = stretch.on, stretch.end - stretch.begin
@@ -204,9 +225,11 @@ class Superposition:
             step = self._step_of(span / count)
             for i in range(count):
                 z, u, w, press = self._go(step, stretch, stretch.begin + i * step.h, z, u, w)
-            if stretch.displayed:
-                found.append(self._look(stretch.end, stretch.on, z, u, w, press))
-        return found
+            if stretch.displayed or self.bodies.mass.size:
+                seen = self._look(stretch.end, stretch.on, z, u, w, press)
+                forces.append(np.nan_to_num(seen.force))
+                found += [seen] if stretch.displayed else []
+        return found, np.array(forces)
 
     def _step_of(self, h: float) -> ModalStep:
         key = float(f"{h:.12e}")
@@ -214,7 +237,7 @@ class Superposition:
             self._steps[key] = ModalStep(self.modes.rate, h)
         return self._steps[key]
 
-    def _shares(self, touch: ContactsAtInstant) -> Array:
+    def shares(self, touch: ContactsAtInstant) -> Array:
         """How places share unit forces of all contacts, (place, contact and axis)."""
         E = np.zeros((self._axes * self._nodes, touch.contact.size * self._axes))
         for i, (near, weight) in enumerate(zip(touch.near, touch.weight, strict=True)):
@@ -222,6 +245,12 @@ class Superposition:
                 used = weight != 0.0
                 E[a * self._nodes + near + np.flatnonzero(used), i * self._axes + a] = weight[used]
         return E
+
+    def neglected(self, touch: ContactsAtInstant) -> tuple[Array, Array]:
+        """Return how far unit forces upwards move their contacts at rest without modes, and in all, (contact,) m/N."""
+        at = self.shares(touch)[:, self._axes - 1 :: self._axes]
+        left = np.diagonal(self.modes.remainder(at)[1])
+        return left, left + ((self.modes.still.T @ at) ** 2).sum(axis=0)
 
     def _rows(self, touch: ContactsAtInstant) -> tuple[Complex, Complex]:
         """Displacements of modes at all contacts (contact and axis, mode), and how forces there drive them."""
@@ -319,7 +348,7 @@ class Superposition:
             for i, (_, driven) in enumerate(rows):
                 G[j, :, i] = ((shape * step.weight[j, i]) @ driven.T).real
             if self.modes.left_out:
-                shares = self._shares(touches[j])
+                shares = self.shares(touches[j])
                 G[j, :, j] += self.modes.remainder(shares)[1]
                 known[j] += gusts[j] * (self._leans @ shares)
         known += np.tensordot(G, N, axes=2)
@@ -386,7 +415,7 @@ class Superposition:
         found = (np.array([one.z for one in seen]) @ self.modes.shape.T).real
         if self.modes.left_out:
             for row, one in zip(found, seen, strict=True):
-                row += self.modes.remainder(self._shares(one.touch))[0] @ one.pressing + one.gusts * self._leans
+                row += self.modes.remainder(self.shares(one.touch))[0] @ one.pressing + one.gusts * self._leans
         return np.asarray(found)
 
     def _moment(self, seen: _Seen, place: Array) -> Moment:
@@ -397,7 +426,7 @@ class Superposition:
         velocity, acceleration = (speeds @ self.modes.shape.T).real
         if self.modes.left_out and pressed is not None:
             follows = [
-                self.modes.remainder(self._shares(at))[0] @ own + part * self._leans
+                self.modes.remainder(self.shares(at))[0] @ own + part * self._leans
                 for at, own, part in zip(pressed.touches, pressed.force, pressed.gusts, strict=True)
             ]
             velocity = velocity + np.tensordot(RATE_AT_END / pressed.h, follows, axes=1)
@@ -423,4 +452,6 @@ def restrained_by_pulling(wheel: str, t: float, remedy: str) -> str:
 def _differ(values: Array, before: Array) -> float:
     """Largest difference over the largest value."""
     most = float(np.abs(values).max(initial=0.0))
+    if not (np.isfinite(most) and np.isfinite(before).all()):
+        return np.inf
     return float(np.abs(values - before).max(initial=0.0)) / most if most != 0.0 else 0.0

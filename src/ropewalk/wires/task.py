@@ -15,7 +15,7 @@ from ropewalk.wires.contact_location import location_at, location_below
 from ropewalk.wires.equilibrium import WirePotential, settle_on_rails
 from ropewalk.wires.mesh import Mesh, mesh_of
 from ropewalk.wires.partners import WireExternalModel
-from ropewalk.wires.plan import Array, Spot, TravellingLoad, Wire, WirePlan
+from ropewalk.wires.plan import Array, Contact, Spot, TravellingLoad, Wire, WirePlan
 from ropewalk.wires.prescribed_motion import PrescribedMotion
 from ropewalk.wires.rest import WiresAtRest, hung, moving, rest_of, rows, spring, vertical_stiffness
 
@@ -283,9 +283,19 @@ def loaded(start: WireStart, prescribed_motion: PrescribedMotion) -> PrescribedM
     found = [
         place_at(start, c.wire, s, material=c.material)[0] for c, s in zip(moving_load.contacts, stations, strict=True)
     ]
+    found = [z + _kink(start, c, s) for z, c, s in zip(found, moving_load.contacts, stations, strict=True)]
     height = np.array(found) - [c.base for c in moving_load.contacts]
     first = resting(moving_load, height, rows_at(moving_load, stations))
     return along(start, replace(prescribed_motion, first=first))
+
+
+def _kink(start: WireStart, contact: Contact, station: float) -> float:
+    """Displacement of a wire next to its spline under the static load of a contact, m: else the contact would ring."""
+    mesh, a = start.mesh, contact.wire
+    if not 0.0 < station < mesh.plan.wires[a].length:
+        return 0.0
+    least = 0.0 if np.isinf(contact.stiffness) else -0.5 / contact.stiffness
+    return contact.rest * max(location_at(mesh, a, station / float(mesh.strands.h[a])).local, least)
 
 
 def along(start: WireStart, prescribed_motion: PrescribedMotion) -> PrescribedMotion:

@@ -351,7 +351,7 @@ class FrameBuilder:
         places = at.u.shape[1] - (0 if multibody_system is None else multibody_system.bodies.coordinates.size)
         first = np.cumsum([0, *(dim for c in self.bodies.contact[:places:dim])])
         own = dict(zip(self.bodies.contact[:places:dim].tolist(), first[:-1].tolist(), strict=True))
-        on, every, runs = at.contacts["state"] == ON, np.arange(count), self.assembled.structure.runs
+        on, every = at.contacts["state"] == ON, np.arange(count)
         for i, body in enumerate(displayed):
             under = np.full(count, own[body.wheel])
             for k in body.others:
@@ -361,11 +361,8 @@ class FrameBuilder:
                     continue
                 at_ = np.full(count, places + coordinate) if coordinate >= 0 else under + a
                 out[0, :, i, a], out[1, :, i, a] = at.u[every, at_], at.w[every, at_]
-            if body.coordinates[0] < 0 and body.ahead:
-                run = at.contacts["run"][:, body.wheel]
-                way = at.r[every, :-1, (runs.first + runs.links)[run]] - at.r[every, :-1, runs.first[run]]
-                size = np.linalg.norm(way, axis=1)[:, None]
-                out[0, :, i, :-1] += body.ahead * way / np.where(size > 0.0, size, 1.0)
+            if body.coordinates[0] < 0:
+                out[0, :, i, 0] += body.ahead
         return out[0], out[1]
 
     def _energy(self, at: SystemNote, *, still: bool) -> Array:

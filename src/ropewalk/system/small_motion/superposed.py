@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.loading import loading_of
 from ropewalk.model.mean_speed import MeanSpeed
@@ -53,6 +54,8 @@ _STORED = ("kinetic", "elastic", "gravitational", "load_kinetic", "load_potentia
 _KNOWN = [ENERGY_FORMS.index(form) for form in _STORED]
 _DRAWN = 1e-2  # of the largest force of a pantograph: by so much it may draw the wire down as it begins
 _DRIFTS = 1e-3  # rad that what nothing holds would swing in the time of the run: a drift but for their square
+_INSTANTS, _NEGLECTED = 20, 0.005  # instants of contacts, and a part of what modes neglect that is reported
+_LOOKS = 41  # instants at which contact forces of bodies are compared, and not at those of output only
 _LINKS = 0.5  # of a link, that contacts go in the longest step
 
 
@@ -134,7 +137,15 @@ class Superposed:
         gusts = None if self._air is None else self._air.gusts
         motion = Superposition(self.modes, self._passing, self._bodies(), self.rest.shape[0], gusts)
         stretches = self._stretches()
-        moments, step, missed = motion.moments(stretches, self._longest(), self._start(stretches[0].on))
+        few = [self._passing.at(s.end, s.on) for s in stretches[:: max(1, len(stretches) // _INSTANTS)]]
+        # Near supports kinks are stiffer: halving finds shorter steps.
+        longest = min(self._longest(), max((motion.longest(touch) for touch in few), default=np.inf))
+        moments, step, missed = motion.moments(stretches, longest, self._start(stretches[0].on))
+        if not np.isfinite(missed):
+            raise RopewalkError(
+                f"the motion of bodies grows beyond all bounds in steps of {step:.3g} s, which would have "
+                "to be halved more often; ask for kind: dynamic, geometry: linearised"
+            )
         count, among = self.modes.frequency.size, self._still.free.shape[1]
         run_info = self._run_info
         run_info.step = step
@@ -150,11 +161,26 @@ class Superposed:
                 "compare with kind: dynamic, geometry: linearised",
             )  # fmt: skip
         displayed = [s for s in stretches if s.displayed]
+        if self.modes.left_out:
+            self._warn_of_modes([motion.neglected(touch) for touch in few])
         lost: set[int] = set()
         for t, moment, on in zip(self._times, moments, [stretches[0].on, *(s.on for s in displayed)], strict=True):
             self._ask_contact(float(t), moment, lost)
             yield self._frame(float(t), moment, on)
         self._doubt_contact()
+
+    def _warn_of_modes(self, parts: list[tuple[Array, Array]]) -> None:
+        """Warn of a number of modes that leaves the inertia of much of the static response out."""
+        count = getattr(self._scenario.run, "modes", None)
+        left, whole = (
+            max((float(own.max(initial=0.0)) for own in one), default=0.0) for one in zip(*parts, strict=True)
+        )
+        part = left / (whole or 1.0)
+        if count is not None and part > _NEGLECTED:
+            self._run_info.warnings.append(
+                f"run.modes: up to {100.0 * part:.2g} % of the static displacement under a load lies outside of "
+                f"{count} modes and follows without inertia; leave modes out, or write {2 * count} and compare"
+            )
 
     def _bodies(self) -> ModalBodies:
         own, loaded = self._loaded.own, self._loaded
@@ -201,7 +227,8 @@ class Superposed:
         until, tables = float(self._times[-1]), self._tables
         gusts = np.zeros(0) if self._air is None else self._air.instants
         jumps = np.concatenate([tables.speed_time, tables.force_time, self._of.push_time, gusts])
-        events = [*self._times, *jumps[(jumps > 0.0) & (jumps < until)], *self._comings(until)]
+        looks = np.linspace(0.0, until, _LOOKS) if self._loaded.own else np.zeros(0)  # at which forces are compared
+        events = [*self._times, *looks, *jumps[(jumps > 0.0) & (jumps < until)], *self._comings(until)]
         instants = np.unique(np.array(events))
         kept = np.concatenate([[True], np.diff(instants) > CLOSE * until])
         instants = instants[kept]
