@@ -42,7 +42,9 @@ def static_part(scenario: Scenario, simulate: Callable[[Scenario], xr.Dataset]) 
     shortest = min(line.distance for line in scenario.lines.values())
     way = max(line.distance for line in scenario.lines.values())
     way += max((load.length + abs(load.travel.start) for load in loads if isinstance(load, Axles | Train)), default=0.0)
-    paces = len({abs(speed) if isinstance(speed, float) else name for (name, _), speed in zip(named, speeds, strict=True)})
+    paces = len(
+        {abs(speed) if isinstance(speed, float) else name for (name, _), speed in zip(named, speeds, strict=True)}
+    )
     positions = min(2 + round(STEPS * way * paces / shortest), _MOST)  # unlike loads may move one after the other
     outputs = Outputs(**{**dict(scenario.outputs), "impact": False})
     asked = scenario.model_copy(

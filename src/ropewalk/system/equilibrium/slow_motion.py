@@ -9,7 +9,6 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.chain import Array
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import Frame, Layout, RunInfo

@@ -26,7 +26,6 @@ from ropewalk.system.reporting.doubts import joined_beside
 from ropewalk.system.reporting.frames import FrameBuilder, SystemNote
 from ropewalk.system.reporting.hold_forces import HoldForces, on_friction
 
-
 _INSIDE = 1e-12  # part of a line by which loads that stay at its end stop before it: rounding must not pass it
 
 
