@@ -406,8 +406,8 @@ def _sprung(
         if body.inertia:
             j = index[part, "pitch"]
             vehicle.M[j, j] = body.inertia
-        wheels, own = {k: w.at for k, w in zip(on, load.wheels.values(), strict=True)}, (-1,) * (dim - 1) + (first + i,)
-        displayed.append(Body.over(f"{name}.{part}", wheels, body.at, own, body.mass))
+        wheels = {k: w.at for k, w in zip(on, load.wheels.values(), strict=True)}
+        displayed.append(Body.over(f"{name}.{part}", wheels, body.at, (-1,) * (dim - 1) + (first + i,), body.mass))
     for k, (part, wheel) in zip(on, load.wheels.items(), strict=True):
         if wheel.contact_stiffness is not None:
             i = index[part, "height"]
