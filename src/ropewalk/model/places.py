@@ -127,7 +127,9 @@ def meetings(parts: Parts) -> Iterator[Finding]:
             if known:
                 time, place = min(known)
                 wrong = f"the load meets load {one} at {time:.4g} s, {place:.4g} m along {on}"
-                remedy = f"change speed or from, end the run before {time:.4g} s, or write kind: force (contact: clamped) "
+                remedy = (
+                    f"change speed or from, end the run before {time:.4g} s, or write kind: force (contact: clamped) "
+                )
                 remedy += "with its weight for both: only such forces pass each other"
                 found.add(two)
                 yield Finding(("loads", two, "travel", "speed"), wrong, remedy=remedy)
