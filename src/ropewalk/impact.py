@@ -40,9 +40,14 @@ def static_part(scenario: Scenario, simulate: Callable[[Scenario], xr.Dataset]) 
         slow = {name: _at_speed(load, speed / fastest) for (name, load), speed in zip(named, speeds, strict=True)}
         scenario = scenario.model_copy(update={"loads": slow})
     shortest = min(line.distance for line in scenario.lines.values())
-    way = max(line.distance for line in scenario.lines.values())
-    way += max((load.length + abs(load.travel.start) for load in loads if isinstance(load, Axles | Train)), default=0.0)
-    paces = len({abs(speed) if isinstance(speed, float) else name for (name, _), speed in zip(named, speeds, strict=True)})
+    way = longest = max(line.distance for line in scenario.lines.values())
+    for load in loads:
+        if isinstance(load, Axles | Train):
+            start = load.travel.start
+            way = max(way, longest + load.length + max(-start, start - longest, 0.0))
+    paces = len(
+        {abs(speed) if isinstance(speed, float) else name for (name, _), speed in zip(named, speeds, strict=True)}
+    )
     positions = min(2 + round(STEPS * way * paces / shortest), _MOST)  # unlike loads may move one after the other
     outputs = Outputs(**{**dict(scenario.outputs), "impact": False})
     asked = scenario.model_copy(

@@ -22,7 +22,7 @@ from ropewalk.mechanics.chain import (
     ChainState,
 )
 from ropewalk.results.audit import Audit
-from ropewalk.results.frame import Frame, Layout, uniform
+from ropewalk.results.frame import OFF_LINE, Frame, Layout, uniform
 from ropewalk.results.frames import Frames
 from ropewalk.solve.ends import ends_of
 from ropewalk.solve.start import PreparedRun
@@ -91,7 +91,8 @@ class ChainFrameBuilder:
             let_yield(setting, ends, states.t, states.X, states.r, states.w, reaction)
         beside, of_loads = (np.zeros((states.t.size, 0, r.shape[1])),) * 2, dict[str, Array]()
         if states.bodies is not None:
-            beside, of_loads = displayed(setting, states.r, states.bodies), energies_of_loads(setting, states.bodies)
+            beside = displayed(setting, states.r, states.bodies, seen.state != OFF_LINE)
+            of_loads = energies_of_loads(setting, states.bodies)
         energy = self._audit.of(**many.energies_of_lines(setting, states, links.elastic, w), **of_loads, **works)
         return Frames(
             states.t,

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ropewalk.mechanics.bodies import AWAY, FLYING, LOCATED, MOVING_WITH, PULLS, PUSHES, WAITING, Bodies, noted_of
 from ropewalk.mechanics.chain import Array, Integers
@@ -74,17 +75,17 @@ def put_located(setting: PreparedRun, X: Array, bodies: ManyBodies, r: Array, w:
         w[rows, :, b] = bodies.wheels["store"][rows, k, : r.shape[1]] / (setting.strands.rho[s] * h)
 
 
-def displayed(setting: PreparedRun, r: Array, bodies: ManyBodies) -> tuple[Array, Array]:
+def displayed(setting: PreparedRun, r: Array, bodies: ManyBodies, on: NDArray[np.bool_]) -> tuple[Array, Array]:
     """Positions and velocities of all bodies beside the contacts, (instant, body, axis); nodes are at (instant, axis,
-    node)."""
+    node), and `on` is (instant, wheel) whether wheels are on their lines."""
     assert setting.multibody_system is not None
     others, dim = setting.multibody_system.displayed, r.shape[1]
     place, speed = np.empty((len(r), len(others), dim)), np.empty((len(r), len(others), dim))
     for i, body in enumerate(others):
-        ahead = body.ahead * onwards(setting, r, int(setting.loads.strand[body.wheel]))
+        ahead = onwards(setting, r, int(setting.loads.strand[body.wheel]))
         for a, d in enumerate(body.coordinates):
-            place[:, i, a] = bodies.q[:, d] if d >= 0 else bodies.r[:, body.wheel, a] + ahead[:, a]
-            speed[:, i, a] = bodies.rate[:, d] if d >= 0 else bodies.v[:, body.wheel, a]
+            place[:, i, a] = bodies.q[:, d] if d >= 0 else body.locate(bodies.r[:, :, a], on, ahead[:, a])
+            speed[:, i, a] = bodies.rate[:, d] if d >= 0 else body.locate(bodies.v[:, :, a], on, 0.0)
     return place, speed
 
 

@@ -99,7 +99,7 @@ def loaded_frame(setting: PreparedRun, at: LoadPosition) -> Frame:
     potential = 0.0
     if setting.multibody_system is not None:
         loaded = loaded_bodies(setting.multibody_system.bodies, seen.position.T)
-        bodies = displayed(setting, nodes.T[None], ManyBodies.now(loaded, dim))[0][0]
+        bodies = displayed(setting, nodes.T[None], ManyBodies.now(loaded, dim), ~at.left[None])[0][0]
         potential = potential_of(loaded, setting.strands.gravity)
     seen.hold, seen.xi, seen.speed = seen.force - at.given, at.xi.copy(), np.zeros(count)
     seen.state[:] = STICKS

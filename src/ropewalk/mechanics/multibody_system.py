@@ -406,9 +406,8 @@ def _sprung(
         if body.inertia:
             j = index[part, "pitch"]
             vehicle.M[j, j] = body.inertia
-        nearest = min(range(len(on)), key=lambda n: abs(list(load.wheels.values())[n].at - body.at))
-        ahead = body.at - list(load.wheels.values())[nearest].at
-        displayed.append(Body(f"{name}.{part}", on[nearest], ahead, (-1,) * (dim - 1) + (first + i,), body.mass))
+        wheels = {k: w.at for k, w in zip(on, load.wheels.values(), strict=True)}
+        displayed.append(Body.over(f"{name}.{part}", wheels, body.at, (-1,) * (dim - 1) + (first + i,), body.mass))
     for k, (part, wheel) in zip(on, load.wheels.items(), strict=True):
         if wheel.contact_stiffness is not None:
             i = index[part, "height"]
@@ -450,8 +449,9 @@ def _given(
     for i in range(len(own), order.size):
         vehicle.load[i] += vehicle.M[i, i] * gravity
         vehicle.M[i, i] = 0.0
+    wheels, level = {k: w.at for k, w in zip(on, load.wheels.values(), strict=True)}, (-1,) * (dim - 1)
     displayed = [
-        Body(f"{name}.{load.coordinates[i]}", on[0], 0.0, (-1,) * (dim - 1) + (first + j,), float(M[i, i]))
+        Body.over(f"{name}.{load.coordinates[i]}", wheels, 0.0, (*level, first + j), float(M[i, i]))
         for j, i in enumerate(own)
     ]
     is_more = any(part.any() for part in (vehicle.M, vehicle.C, vehicle.K, vehicle.load))  # than masses on wheels

@@ -20,7 +20,7 @@ from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import SpeedTable
 from ropewalk.model.joints import check_joints
 from ropewalk.model.line import spatial
-from ropewalk.model.load import MovingForce, Travelling
+from ropewalk.model.load import AnyLoad, MovingForce, Travelling
 from ropewalk.model.magnitudes import check_magnitudes
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.matrices import Matrices
@@ -211,6 +211,12 @@ def _flat(vector: Sequence[float]) -> tuple[float, float, float]:
     return vector[0], vector[1] if len(vector) == 3 else 0.0, vector[-1]
 
 
+def _moves(load: AnyLoad | None) -> bool:
+    """Whether a prescribed travel has a speed at some time."""
+    speed = load.travel.speed if isinstance(load, Travelling) else 0.0
+    return callable(speed) or any(speed.value if isinstance(speed, SpeedTable) else (speed,))
+
+
 def _path(parts: Parts) -> Iterator[Finding]:
     if not isinstance(parts.run, Quasistatic):
         return
@@ -226,6 +232,8 @@ def _path(parts: Parts) -> Iterator[Finding]:
         values = speed.value if isinstance(speed, SpeedTable) else (speed,)
         key = ("loads", name, "travel", "speed")
         if not any(values):
+            if any(_moves(other) for other in parts.loads.values()):
+                continue
             remedy = "write a speed (its sign is the direction of the path), or ask for kind: equilibrium"
             yield Finding(key, "a load that stands still has no path", "0 m/s", remedy)
             continue

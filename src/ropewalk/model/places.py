@@ -118,7 +118,7 @@ def meetings(parts: Parts) -> Iterator[Finding]:
             wrong = f"{what} at the same place as load {one}"
             found.add(two)
             yield Finding(("loads", two, *_start_key(second)), wrong, f"{same.start:g} m", remedy)
-        elif isinstance(parts.run, Dynamic):  # in the linear theory they do not notice each other
+        elif isinstance(parts.run, Dynamic) and not (_only_presses(first) and _only_presses(second)):
             a, b = _prescribed(first), _prescribed(second)
             if a is None or b is None or a.measured != b.measured:
                 continue
@@ -127,9 +127,17 @@ def meetings(parts: Parts) -> Iterator[Finding]:
             if known:
                 time, place = min(known)
                 wrong = f"the load meets load {one} at {time:.4g} s, {place:.4g} m along {on}"
-                remedy = f"loads cannot pass each other: change speed or from, or end the run before {time:.4g} s"
+                remedy = (
+                    f"change speed or from, end the run before {time:.4g} s, or write kind: force (contact: clamped) "
+                )
+                remedy += "with its weight for both: only such forces pass each other"
                 found.add(two)
                 yield Finding(("loads", two, "travel", "speed"), wrong, remedy=remedy)
+
+
+def _only_presses(load: AnyLoad) -> bool:
+    """Whether a load consists of given forces, which pass others of that kind."""
+    return isinstance(load, Axles) or (isinstance(load, MovingForce) and load.contact == "clamped")
 
 
 def _start_key(load: AnyLoad) -> tuple[str, ...]:

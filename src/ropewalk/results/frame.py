@@ -118,7 +118,7 @@ class Contacts:
         self.tension, self.state = np.full((*one, 2), np.nan), np.full(one, OFF_LINE)
         self.in_air, self.power = np.zeros(one), np.zeros(one)
 
-    def leave(self, left: Array) -> None:
+    def leave(self, left: NDArray[np.bool_]) -> None:
         """Put contacts (contact,) of one frame off the line."""
         for values in (self.position, self.force, self.hold, self.xi, self.speed, self.friction, self.tension):
             values[left] = np.nan

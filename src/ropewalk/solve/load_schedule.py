@@ -31,9 +31,9 @@ def horizon(scenario: Scenario) -> float:
         speed, until, gone = load.travel.speed, 1.0, -1.0
         line, overhead = scenario.lines.get(load.on), scenario.overhead_lines.get(load.on)
         length = max(line.length or 0.0, line.distance) if line is not None else overhead.length if overhead else 0.0
-        reach = 3.0 * length + (
-            load.length if isinstance(load, Axles | TrainSection) else 0.0
-        ) + abs(load.travel.start)  # longer than the stretched line, and there and back
+        reach = (
+            3.0 * length + (load.length if isinstance(load, Axles | TrainSection) else 0.0) + abs(load.travel.start)
+        )  # longer than the stretched line, and there and back
         for _ in range(60):
             grid = np.linspace(0.0, until, 257)
             if callable(speed):

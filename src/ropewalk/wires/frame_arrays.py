@@ -181,15 +181,16 @@ class Pictures:
         """Places and velocities of bodies, (instant, body, axis) m and m/s."""
         out = np.zeros((2, len(r), len(self.task.displayed), len(self.axes)))
         for i, body in enumerate(self.task.displayed):
-            k = int(np.flatnonzero(self.moving_loads.owner == body.prescribed_motion)[body.wheel])
-            a, n = int(self.moving_loads.wire[k]), body.row.size
+            wheels, n = np.flatnonzero(self.moving_loads.owner == body.prescribed_motion), body.row.size
             q, last = then.q[:, body.prescribed_motion, :n], then.last[:, body.prescribed_motion, :n]
-            along, length = float(self.mesh.strands.across[a, 1]), self.task.plan.wires[a].length
-            x = []
-            for own in (station[:, 0, k], station[:, 1, k]):
-                _, first, weight = self._locations(k, own, r)
-                beyond = own - np.minimum(np.maximum(own, 0.0), length)
-                x.append(_value(r[:, 0], first, weight) + along * beyond)
+            x = np.zeros((2, len(r)))
+            for k, part in [(int(wheels[wheel]), part) for wheel, part in body.shares]:
+                a = int(self.moving_loads.wire[k])
+                along, length = float(self.mesh.strands.across[a, 1]), self.task.plan.wires[a].length
+                for later, own in enumerate((station[:, 0, k], station[:, 1, k])):
+                    _, first, weight = self._locations(k, own, r)
+                    beyond = own - np.minimum(np.maximum(own, 0.0), length)
+                    x[later] += part * (_value(r[:, 0], first, weight) + along * beyond)
             out[0, :, i, 0], out[0, :, i, -1] = x[0] + np.sign(along) * body.ahead, body.base + summed(q * body.row)
             out[1, :, i, 0], out[1, :, i, -1] = (
                 (x[1] - x[0]) / self.sample,

@@ -135,6 +135,8 @@ def displayed_of(loading: Loading, system: Multibody, prescribed_motion: int, wi
         if body.wheel in system.wheels and body.coordinates[-1] in system.coordinates:
             c = system.coordinates.index(body.coordinates[-1])
             base = wire.start[2] + float(system.rest[c])
-            wheel = system.wheels.tolist().index(body.wheel)
-            found.append(Displayed(body.name, prescribed_motion, np.eye(heavy)[c], base, body.ahead, wheel))
+            own = system.wheels.tolist()
+            between = tuple((own.index(k), part) for k, part, _ in body.between)
+            row, wheel, ahead = np.eye(heavy)[c], own.index(body.wheel), 0.0 if between else body.ahead
+            found.append(Displayed(body.name, prescribed_motion, row, base, ahead, wheel, between))
     return found

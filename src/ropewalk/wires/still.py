@@ -144,11 +144,13 @@ class WireStatics:
         begin = np.concatenate([[0], np.cumsum(moving_loads.size)])
         out = np.zeros((len(self.task.displayed), len(self._axes)))
         for i, body in enumerate(self.task.displayed):
-            k = int(np.flatnonzero(moving_loads.owner == body.prescribed_motion)[body.wheel])
-            a = int(moving_loads.wire[k])
-            start, along = self.mesh.strands.across[a].tolist()
-            location, station = found.locations[k], float(found.station[k])
-            x = float(location.value(found.position)[0]) if location is not None else start + along * station
+            own, x = np.flatnonzero(moving_loads.owner == body.prescribed_motion), 0.0
+            for k, part in [(own[wheel], part) for wheel, part in body.shares]:
+                start, along = self.mesh.strands.across[int(moving_loads.wire[k])].tolist()
+                location, station = found.locations[k], float(found.station[k])
+                x += part * float(
+                    location.value(found.position)[0] if location is not None else start + along * station
+                )
             q = found.coordinates[begin[body.prescribed_motion] : begin[body.prescribed_motion + 1]]
             out[i, 0], out[i, -1] = x + np.sign(along) * body.ahead, body.base + float(body.row @ q)
         return out

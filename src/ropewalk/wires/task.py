@@ -37,6 +37,12 @@ class Displayed:
     base: float  # m
     ahead: float = 0.0  # m ahead of the contact
     wheel: int = 0  # which of the moving load's contacts that is
+    between: tuple[tuple[int, float], ...] = ()  # contacts and their parts in its place, if that is not at one of them
+
+    @property
+    def shares(self) -> tuple[tuple[int, float], ...]:
+        """Contacts and their parts in its place."""
+        return self.between or ((self.wheel, 1.0),)
 
 
 @dataclass(frozen=True)

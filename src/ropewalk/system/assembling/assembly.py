@@ -15,12 +15,14 @@ from ropewalk.mechanics.chain import BLOCK, COULOMB, DRAGGED, FRICTIONLESS, Arra
 from ropewalk.mechanics.compiled import records
 from ropewalk.mechanics.loading import Loading
 from ropewalk.mechanics.multibody_system import MARGIN
+from ropewalk.model.axles import Axles
 from ropewalk.model.law import Hooke
 from ropewalk.model.line import Line, spatial
 from ropewalk.model.load import AnyLoad, ExternalModel, GivenForces, Rolling
 from ropewalk.model.net import CableEdge
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.support import Fixed
+from ropewalk.model.train import TrainSection
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.walker import Walker
 from ropewalk.system.assembling.assembled import Assembled, on_of
@@ -372,7 +374,9 @@ def _travel_freely(contact: Any, free: FreeTravel, length: float) -> None:
 
 
 def refuse_beyond(scenario: Scenario, loading: Loading, contacts: Any, structure: Structure) -> None:
-    """Refuse loads that would begin beyond the end of their line; the distance of its ends stands for the far one.
+    """Refuse loads that would begin beyond the end of their line, but for trains, whose axles come to it later.
+
+    The distance of the ends of a line stands for its far one, also for axles that begin behind that.
 
     Raises:
         EquilibriumError: there is such a load.
@@ -380,7 +384,11 @@ def refuse_beyond(scenario: Scenario, loading: Loading, contacts: Any, structure
     for wheel, contact in zip(loading.wheels, contacts, strict=True):
         length, line = float(structure.lines.length[contact["line"]]), scenario.lines.get(wheel.on)
         far = length if line is None else line.distance
-        if wheel.start > length * (1.0 + 1e-9) and not np.isclose(wheel.start, far, 1e-9):
+        beyond = wheel.start > length * (1.0 + 1e-9)
+        if beyond and isinstance(scenario.loads[wheel.load], Axles | TrainSection):
+            known = line is None or line.length is not None or wheel.measured != "material"
+            contact["begin"] -= 0.0 if known else far - length
+        elif beyond and not np.isclose(wheel.start, far, 1e-9):
             raise EquilibriumError(
                 f"load {wheel.name} would begin {wheel.start:g} m along {wheel.on}, which ends at {length:g} m; "
                 "change its from"

@@ -29,7 +29,7 @@ from ropewalk.system.equilibrium.split_lines import AT_SHEAVE, LineForce, LineSh
 from ropewalk.system.equilibrium.structures import structure_of
 from ropewalk.system.loads.loaded_structure import Carried
 from ropewalk.system.reporting.doubts import joined_beside
-from ropewalk.system.reporting.frames import FrameBuilder, SystemNote
+from ropewalk.system.reporting.frames import FrameBuilder, SystemNote, onward_of
 from ropewalk.system.reporting.hold_forces import on_friction
 
 _PATH = "load_path"
@@ -98,6 +98,7 @@ class RestUnderForces(SlowMotion[_Loaded]):
         loads, contacts = loading.loads, self._carried.contacts
         ahead = np.copysign(1.0, loads.speed_value[loads.speed_first])
         self._holds = SplitHolds(loads.contact, contacts["friction"], contacts["block"], ahead)
+        self._onward = [onward_of(assembled, line) for line in contacts["line"]]  # (contact,) of (axis,)
         self._level = structure.runs.ahead[structure.lines.first[contacts["line"]]]  # (contact, axis), of hold forces
         self._remarked: set[int] = set()
         self._before: Array | None = None  # whether contacts are ahead of sheaves, as they were at first
@@ -217,7 +218,7 @@ class RestUnderForces(SlowMotion[_Loaded]):
         if (multibody_system := self._loading.multibody_system) is not None:
             bodies = loaded_bodies(multibody_system.bodies, self._stands(rest, loaded.at).T)
             energy[ENERGY_FORMS.index("load_potential")] += potential_of(bodies, self._lines.gravity)
-            places = self._displayed_bodies(bodies)
+            places = self._displayed_bodies(bodies, loaded.on)
         return replace(
             own, position=position, velocity=np.zeros_like(position), tension=tension, strain=strain, energy=energy,
             body_position=places, body_velocity=np.zeros_like(places),
@@ -237,15 +238,14 @@ class RestUnderForces(SlowMotion[_Loaded]):
             seen.tension[k], seen.friction[k] = (beside.behind, beside.ahead), beside.needed(block=bool(c["block"]))
         return seen
 
-    def _displayed_bodies(self, bodies: Bodies) -> Array:
+    def _displayed_bodies(self, bodies: Bodies, on: NDArray[np.bool_]) -> Array:
         """Places of all bodies, (body, axis) m; along what has no coordinate above wheels."""
         displayed = () if self._loading.multibody_system is None else self._loading.multibody_system.displayed
         out = np.zeros((len(displayed), self._lines.gravity.size))
         for i, body in enumerate(displayed):
             for a, c in enumerate(body.coordinates):
-                out[i, a] = bodies.coordinates["q"][c] if c >= 0 else bodies.wheels["r"][body.wheel, a]
-            if body.coordinates[0] < 0:
-                out[i, 0] += body.ahead
+                beside = body.locate(bodies.wheels["r"][None, :, a], on[None], float(self._onward[body.wheel][a]))[0]
+                out[i, a] = bodies.coordinates["q"][c] if c >= 0 else beside
         return out
 
 

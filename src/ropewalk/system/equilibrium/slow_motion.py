@@ -75,8 +75,9 @@ def movers_of(carried: Carried, structure: Structure) -> list[Mover]:
         last = int(own[0]["speed_first"] + own[0]["speed_count"]) - 1
         settled = float(carried.tables.speed_time[last]) if own[0]["speed_count"] > 1 else 0.0
         low, high = -own["begin"], structure.lines.length[own["line"]] - own["begin"]
-        bounds = (low.max(), high.min()) if own[0]["stays"] else (low.min(), high.max())
-        movers.append(Mover(partial(travelled, carried.tables, own[0]), *map(float, bounds), max(settled, 0.0)))
+        first, last = (low.max(), high.min()) if own[0]["stays"] else (low.min(), high.max())
+        place = partial(travelled, carried.tables, own[0])
+        movers.append(Mover(place, float(first), float(last), max(settled, 0.0)))
     return movers
 
 

@@ -352,17 +352,18 @@ class FrameBuilder:
         first = np.cumsum([0, *(dim for c in self.bodies.contact[:places:dim])])
         own = dict(zip(self.bodies.contact[:places:dim].tolist(), first[:-1].tolist(), strict=True))
         on, every = at.contacts["state"] == ON, np.arange(count)
+        first = np.array([own.get(k, 0) for k in range(on.shape[1])])
         for i, body in enumerate(displayed):
-            under = np.full(count, own[body.wheel])
+            under = np.tile(first, (count, 1))
             for k in body.others:
-                under = np.where(on[:, k] & ~on[:, body.wheel], own[k], under)
-            for a, coordinate in enumerate(body.coordinates):
-                if coordinate == MIDDLE:
-                    continue
-                at_ = np.full(count, places + coordinate) if coordinate >= 0 else under + a
-                out[0, :, i, a], out[1, :, i, a] = at.u[every, at_], at.w[every, at_]
-            if body.coordinates[0] < 0:
-                out[0, :, i, 0] += body.ahead
+                under[:, body.wheel] = np.where(on[:, k] & ~on[:, body.wheel], own[k], under[:, body.wheel])
+            onward = onward_of(self.assembled, self._contact_lines[body.wheel])
+            for a, c in enumerate(body.coordinates):
+                if c >= 0:
+                    out[:, :, i, a] = at.u[:, places + c], at.w[:, places + c]
+                elif c != MIDDLE:
+                    for values, found, way in ((at.u, out[0], float(onward[a])), (at.w, out[1], 0.0)):
+                        found[:, i, a] = body.locate(values[every[:, None], under + a], on, way)
         return out[0], out[1]
 
     def _energy(self, at: SystemNote, *, still: bool) -> Array:
@@ -428,3 +429,12 @@ def _of_tethers(at: SystemNote) -> Array:
         longer = np.maximum((apart - tether["length"]) * tether["way"], 0.0)
         total += np.where(on, 0.5 * tether["stiffness"] * longer**2, 0.0)
     return total
+
+
+def onward_of(assembled: Assembled, line: int) -> Array:
+    """Return the level direction from the start of a line to its end, a unit vector (axis,), or zero."""
+    lines, runs = assembled.structure.lines, assembled.structure.runs
+    first, last = int(lines.first[line]), int(lines.first[line] + lines.runs[line] - 1)
+    way = assembled.near[:, runs.first[last] + runs.links[last]] - assembled.near[:, runs.first[first]]
+    way[-1] = 0.0
+    return np.asarray(way / (float(np.linalg.norm(way)) or 1.0))
