@@ -13,16 +13,20 @@ of the links there and from what the line weighs in between, dT/dx = -rho g . t 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from copy import copy
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+import scipy.sparse as sparse
 import scipy.sparse.linalg
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.model.scenario import Scenario
+from ropewalk.solve.minimum import cause
+from ropewalk.solve.search_budget import search, spend
 from ropewalk.system.assembling.assembled import Assembled
 from ropewalk.system.assembling.assembly import assembled_of
 from ropewalk.system.assembling.laid import Laid, Over, lay
@@ -47,6 +51,7 @@ _SHARED = 0.375
 _ROUNDS, _FEW, _EVEN, _CLOSE = 100, 12, 1e-9, 1e-10
 # By how much lines are slipped to see what that changes, and the most of the way to the next end in a round.
 _NUDGE, _FAR = 1e-6, 0.4
+_NEUTRAL = 1e-12  # of the largest stiffness, where a part has none
 # The most that a shape goes on as it went before, over how far it went then.
 _ON = 2.0
 AT_SHEAVE = "a load has come to a sheave, which it cannot pass; let it stay beside it"
@@ -117,6 +122,11 @@ class SplitRest(NamedTuple):
     def structure(self) -> Structure:
         """With the forces."""
         return self.potential.structure
+
+    @property
+    def is_loaded(self) -> bool:
+        """Whether there are weights or forces."""
+        return bool(self.structure.nodes.force.any() or self.structure.restraints.force.any())
 
     def runs_of(self, name: str) -> list[int]:
         """The runs of a line, in order."""
@@ -250,23 +260,22 @@ class SplitLines:
                 return found._replace(before=(near.t, near.shape)) if even else found
             near = LineShape.of(near)
         start = self._split(forces, self._drawn() if near is None else near.over, near, t)
-        if not self._sheaves or friction.any():
-            return self._slipped(start, friction)
-        try:
-            return self._slipped(start, friction, close=True, rounds=_FEW)
-        except EquilibriumError:
-            if (soft := self._stiffened(start, friction)) is None:
-                raise
-        if not self._is_even(soft):
-            soft = self._split(forces, soft.over, LineShape.of(soft), t)
-        return self._slipped(soft, friction)
+        with search(start.assembled.line):
+            if not self._sheaves or friction.any():
+                return self._slipped(start, friction)
+            with suppress(EquilibriumError):
+                return self._slipped(start, friction, close=True, rounds=_FEW)
+            soft = self._stiffened(start, friction)
+            if not self._is_even(soft):
+                soft = self._split(forces, soft.over, LineShape.of(soft), t)
+            return self._slipped(soft, friction)
 
-    def _stiffened(self, start: SplitRest, friction: Array) -> SplitRest | None:
-        """Equilibrium of lines that are much softer, then ever stiffer; None where none is softer."""
+    def _stiffened(self, start: SplitRest, friction: Array) -> SplitRest:
+        """Equilibrium of lines that are much softer, then ever stiffer; the start where none is softer."""
         law, found = start.structure.runs.law, start
         for rows in softer_laws(start.structure):
             found = self._slipped(found.with_laws(rows), friction)
-        return None if found is start else found.with_laws(law)
+        return found.with_laws(law)
 
     def _gone_on(self, near: SplitRest, forces: Sequence[LineForce], t: float) -> Iterator[SplitRest]:
         """Where lines may be about at rest, without dividing them anew: as they went on before, and as they are."""
@@ -406,9 +415,12 @@ class SplitLines:
         for _ in range(rounds if sheaves else 0):
             miss, largest = missed(found, friction, goes)
             goes = np.where(goes == 0.0, np.sign(miss), goes)
-            step, way = slip(found, miss, friction, goes) if np.abs(miss).max() > _EVEN * largest else (0.0 * miss, 0.0)
+            is_even = np.abs(miss).max() <= _EVEN * largest
+            step, way = (0.0 * miss, 0.0) if is_even else slip(found, miss, friction, goes)
             if np.abs(step).max() <= _CLOSE * found.potential.size:
                 back = (friction > 0.0) & ((found.x - begin)[:sheaves] * goes > _CLOSE * found.potential.size)
+                if not (back.any() or found.is_loaded or largest > 0.0):
+                    raise EquilibriumError(f"no equilibrium was found: {cause(found.potential, found.shape)}")
                 if not back.any():
                     return found
                 goes[back], found.x[:sheaves][back] = 0.0, begin[:sheaves][back]  # it does not slip there at all
@@ -429,7 +441,12 @@ class SplitLines:
             found = found.put(x)._replace(shape=found.shape + most * way)
             found = found._replace(shape=settled_in_wind(found.potential, found.shape, found.t, close=few))
         if sheaves:
-            raise EquilibriumError("no rest was found: lines do not stop slipping over their sheaves; check their ends")
+            j = int(np.abs(miss).argmax())
+            name, own = found.sheaves[j]
+            raise EquilibriumError(
+                f"no equilibrium was found: line {name} does not stop slipping over sheave {own}, where its tensions "
+                f"differ by {abs(miss[j]):.3g} N; check its length, and what its ends hold"
+            )
         return found
 
     def shape_of(self, assembled: Assembled) -> LineShape:
@@ -466,7 +483,15 @@ def slip(rest: SplitRest, miss: Array, friction: Array, goes: Array) -> tuple[Ar
     """By how far sheaves come ahead on their lines, (sheave,) m, by Newton's method, and how shapes go with that."""
     slips, nudge = np.flatnonzero(miss), _NUDGE * float(rest.structure.runs.h.min())
     before = rest.potential.out_of_balance(rest.shape)
-    solve = scipy.sparse.linalg.splu(rest.potential.stiffness(rest.shape).tocsc())
+    spend(rest.shape)
+    K = rest.potential.stiffness(rest.shape).tocsc()
+    try:
+        solve = scipy.sparse.linalg.splu(K)
+    except RuntimeError:  # a part is slack, as between a mass on a rail and what holds both
+        if not rest.is_loaded:
+            raise EquilibriumError(f"no equilibrium was found: {cause(rest.potential, rest.shape)}") from None
+        little = _NEUTRAL * float(np.abs(K.diagonal()).max())
+        solve = scipy.sparse.linalg.splu((K + little * sparse.identity(K.shape[0])).tocsc())
     J, ways = np.zeros((slips.size, slips.size)), np.zeros((rest.shape.size, slips.size))
     for column, j in enumerate(slips.tolist()):
         other = rest.put(rest.x + nudge * (np.arange(rest.x.size) == j))

@@ -18,6 +18,7 @@ from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import lean, lean_inner
 from ropewalk.solve import minimum
+from ropewalk.solve.search_budget import names_of_runs
 from ropewalk.solve.symmetric import Way
 from ropewalk.system.contact.contact_point import locate_point
 from ropewalk.system.contact.contact_record import BODY, ON
@@ -464,6 +465,18 @@ class SystemPotential:
             across[n : 2 * n] = True
             inner = np.flatnonzero(np.asarray(abs(self.free[across]).sum(axis=0)).ravel() == 0.0)
         return K[inner][:, inner].tocsc(), inner
+
+    def part(self, shape: Array, way: Array) -> str:
+        count = self.loaded.rest.size
+        far = np.abs(way)
+        if far[:count].max(initial=0.0) < far[count:].max(initial=0.0):
+            return "a body of a load"
+        node = int(far[:count].reshape(self.axes, -1).max(axis=0).argmax())
+        at = ", ".join(f"{x:.4g}" for x in shape[:count].reshape(self.axes, -1)[:, node])
+        runs, names = self.structure.runs, names_of_runs()
+        own = np.flatnonzero((runs.first <= node) & (node <= runs.first + runs.links))
+        line = f"line {names[own[0]]}" if own.size and own[0] < len(names) else "the structure"
+        return f"{line} near ({at}) m"
 
     def moved(self, shape: Array, step: Array) -> Array:
         way = np.asarray(self.free @ step)
