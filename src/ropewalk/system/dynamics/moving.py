@@ -45,9 +45,9 @@ from ropewalk.system.elements.compliance import compliances
 from ropewalk.system.elements.inertia import remark_inertia, with_inertia
 from ropewalk.system.elements.structure import WORKS, Buffers, SystemState
 from ropewalk.system.equilibrium.carriages_at_rest import CarriagesAtRest
-from ropewalk.system.equilibrium.rest import about_rest, at_rest, least, refuse_limp, tensions
+from ropewalk.system.equilibrium.rest import about_rest, least, refuse_limp, tensions
 from ropewalk.system.equilibrium.statics import SystemPotential
-from ropewalk.system.equilibrium.structures import structure_of
+from ropewalk.system.equilibrium.structures import rest_before_motion, structure_of
 from ropewalk.system.loads.crabs import Crabs, stand_on_lines
 from ropewalk.system.loads.loaded_structure import Carried, LoadedStructure, load_springs, measure_from_ends
 from ropewalk.system.loads.pantographs import stand_below, with_pantographs
@@ -100,7 +100,7 @@ class SystemMotion:
         self.assembled = structure_of(scenario, asked.until, axes)
         gravity = np.zeros(len(self.assembled.axes))
         gravity[-1] = -scenario.gravity
-        self.structure, self.rest = at_rest(self.assembled.structure, gravity, self.assembled.near)
+        self.structure, self.rest = rest_before_motion(scenario, self.assembled, gravity)
         self._friction = StickingFriction(self.structure, self.rest) if asked.geometry == "linearised" else None
         if asked.geometry == "linearised":
             self.structure = about_rest(self.structure, self.rest)
