@@ -45,6 +45,7 @@ from ropewalk.system.elements.compliance import compliances
 from ropewalk.system.elements.inertia import remark_inertia, with_inertia
 from ropewalk.system.elements.structure import WORKS, Buffers, SystemState
 from ropewalk.system.equilibrium.carriages_at_rest import CarriagesAtRest
+from ropewalk.system.equilibrium.lengths import off_tension
 from ropewalk.system.equilibrium.rest import about_rest, least, refuse_limp, tensions
 from ropewalk.system.equilibrium.statics import SystemPotential
 from ropewalk.system.equilibrium.structures import rest_before_motion, structure_of
@@ -173,7 +174,7 @@ class SystemMotion:
         cut = stability.cut_by_damping(self.assembled, self.rest, self.times[-1] / self._step)
         run_info.warnings += [*shaken(scenario), *doubts.coarse_for_wheels(scenario), *self._carriages.slack(), *cut]
         run_info.warnings += doubts.not_pushed_outwards(scenario)
-        run_info.warnings += doubts.joined_beside(scenario, self.assembled)
+        run_info.warnings += [*doubts.joined_beside(scenario, self.assembled), *off_tension(scenario, self.assembled)]
 
     @property
     def layout(self) -> Layout:

@@ -47,7 +47,8 @@ _BESIDE = 0.05
 _UNEVEN = 2.0
 # Part of the load on a link that an end bears for which the next two nodes bear some, see `rest.py`.
 _SHARED = 0.375
-# Rounds in which lines come to rest over sheaves, before softer ones are tried, too; what is left of a tension then, and of a length.
+# Rounds in which lines come to rest over sheaves, and before softer ones are tried; what is left of a tension then,
+# and of a length.
 _ROUNDS, _FEW, _EVEN, _CLOSE = 100, 12, 1e-9, 1e-10
 # By how much lines are slipped to see what that changes, and the most of the way to the next end in a round.
 _NUDGE, _FAR = 1e-6, 0.4
