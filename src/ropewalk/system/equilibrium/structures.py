@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+import numpy as np
+
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.assembly import axes_of
 from ropewalk.mechanics.chain import Array
@@ -13,7 +15,7 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.solve.search_budget import search
 from ropewalk.system.assembling.assembled import Assembled
 from ropewalk.system.assembling.assembly import assembled_of
-from ropewalk.system.assembling.laid import Laid, lay
+from ropewalk.system.assembling.laid import Laid, Over, lay
 from ropewalk.system.assembling.overhead_lines import overhead_lines_of
 from ropewalk.system.elements.structure import Structure
 from ropewalk.system.equilibrium.constrained import nearly
@@ -22,6 +24,9 @@ from ropewalk.system.equilibrium.over_saddles import laid_over_saddles
 from ropewalk.system.equilibrium.rest import at_rest, tensions, with_ends
 from ropewalk.system.equilibrium.split_lines import LineShape, SplitLines
 from ropewalk.system.equilibrium.tracks import on_ends, with_tracks
+
+# Part of a link within which a node is at a sheave, and how many elements more are tried.
+_AT, _MORE = 3e-4, 4
 
 
 def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None = None) -> Assembled:
@@ -92,7 +97,22 @@ def _laid(scenario: Scenario, lengths: Mapping[str, float], until: float, axes: 
                 raise
             laid = lay(scenario, lengths)
             return laid, laid.place
-        laid = lay(scenario, lengths, over=shape.over)
+        laid = _laid_beside_sheaves(scenario, lengths, shape.over)
         return laid, shape.on(laid)
     laid = lay(scenario, lengths)
     return laid, laid.place
+
+
+def _laid_beside_sheaves(scenario: Scenario, lengths: Mapping[str, float], over: Over) -> Laid:
+    """Lines over sheaves, with an element more where a node would rest right at a sheave: it can be on neither side."""
+    lines = dict(scenario.lines)
+    for _ in range(_MORE):
+        laid = lay(scenario.model_copy(update={"lines": lines}), lengths, over=over)
+        strands = {own.name: own.station for own in laid.strands}
+        far = [(name, float(np.abs(strands[name] - place).min())) for (name, _), place in over.items()]
+        at = {name for name, least in far if least < _AT * lengths[name] / lines[name].elements}
+        if not at:
+            break
+        for name in at:
+            lines[name] = lines[name].model_copy(update={"elements": lines[name].elements + 1})
+    return laid
