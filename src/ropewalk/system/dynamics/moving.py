@@ -28,6 +28,7 @@ from ropewalk.results.frames import Frames, NotedInstants
 from ropewalk.results.running import Ending
 from ropewalk.solve.choice import RKN6_LIMIT, Bounds, rkn6_step
 from ropewalk.solve.composition import RKN6, VERLET
+from ropewalk.solve.search_budget import search
 from ropewalk.solve.stages import LOBATTO, RADAU, Stages
 from ropewalk.system.assembling.assembly import contacts_of, refuse_beyond
 from ropewalk.system.contact.contact_record import BODY
@@ -290,7 +291,8 @@ class SystemMotion:
         potential = self._bearing(near)
         if u is not None:
             potential.loaded.state.u[: u.size] = u
-        shape = least(potential, potential.taken())
+        with search(self.assembled.line):
+            shape = least(potential, potential.taken())
         potential.forces(shape)
         r, u = potential.put(shape)
         self.state.r[:], self.state.u[:] = r, u[: potential.loaded.own]

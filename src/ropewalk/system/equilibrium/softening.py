@@ -12,21 +12,20 @@ from collections.abc import Iterator
 import numpy as np
 
 from ropewalk.mechanics import law
-from ropewalk.mechanics.chain import Array
 from ropewalk.system.elements.structure import Structure
 
 # Least axial stiffness over all loads: lines that are softer hang far below where they are. And the factor of a step.
 _LEAST, _FACTOR = 5.0, 5.0
 
 
-def softer_laws(structure: Structure, load: float = 0.0) -> Iterator[Array]:
-    """Yield axial laws (run, parameter) of softer lines, ever stiffer; none where all are as soft or bend.
+def softened(structure: Structure, load: float = 0.0) -> Iterator[Structure]:
+    """Yield a structure with softer lines, on saddles that are as much softer, ever stiffer; none where all are soft.
 
     Args:
-        structure: whose lines these are.
+        structure: whose lines these are; those that bend stay.
         load: N, of what stands on them.
     """
-    runs, restraints = structure.runs, structure.restraints
+    runs, restraints, saddles = structure.runs, structure.restraints, structure.saddles
     least = _LEAST * (load + float(np.abs(structure.nodes.force).sum() + np.abs(restraints.force).sum()))
     stiffness = np.array([law.tangent(row, 1e-9) for row in runs.law])
     soft = (runs.law[:, 0] != law.RIGID) & (runs.law[:, 0] != law.TABLE) & (runs.bending == 0.0) & (stiffness > least)
@@ -34,5 +33,8 @@ def softer_laws(structure: Structure, load: float = 0.0) -> Iterator[Array]:
         part = np.where(soft, np.minimum(least / np.where(soft, stiffness, 1.0), 1.0), 1.0)
         rows = runs.law.copy()
         rows[:, 2:] *= part[:, None]
-        yield rows
+        yield structure._replace(
+            runs=runs._replace(law=rows),
+            saddles=None if saddles is None else saddles._replace(k=float(part.min()) * saddles.k),
+        )
         least *= _FACTOR

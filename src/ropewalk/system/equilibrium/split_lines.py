@@ -34,7 +34,7 @@ from ropewalk.system.assembling.line_shapes import attached, curves
 from ropewalk.system.assembling.membranes import sheet_of
 from ropewalk.system.elements.structure import Structure
 from ropewalk.system.equilibrium.rest import ends_of, settled_in_wind, tensions, with_ends
-from ropewalk.system.equilibrium.softening import softer_laws
+from ropewalk.system.equilibrium.softening import softened
 from ropewalk.system.equilibrium.statics import SystemPotential
 from ropewalk.system.equilibrium.tracks import with_tracks
 from ropewalk.system.loads.loaded_structure import LoadedStructure
@@ -274,8 +274,8 @@ class SplitLines:
     def _stiffened(self, start: SplitRest, friction: Array) -> SplitRest:
         """Equilibrium of lines that are much softer, then ever stiffer; the start where none is softer."""
         law, found = start.structure.runs.law, start
-        for rows in softer_laws(start.structure):
-            found = self._slipped(found.with_laws(rows), friction)
+        for soft in softened(start.structure):
+            found = self._slipped(found.with_laws(soft.runs.law), friction)
         return found.with_laws(law)
 
     def _gone_on(self, near: SplitRest, forces: Sequence[LineForce], t: float) -> Iterator[SplitRest]:

@@ -51,7 +51,7 @@ from ropewalk.system.elements.spline import WIDTH
 from ropewalk.system.elements.structure import WORKS, Buffers, Structure
 from ropewalk.system.elements.surfaces import add_surface_forces, distribute_forces, stored_in
 from ropewalk.system.elements.ties import add_tie_forces, stored_in_ties
-from ropewalk.system.equilibrium.softening import softer_laws
+from ropewalk.system.equilibrium.softening import softened
 from ropewalk.system.loads.loaded_structure import LoadedStructure
 
 
@@ -511,8 +511,7 @@ class SystemPotential:
         """Shapes of softer lines that become stiffer, see `softening.py`."""
         soft, near = copy(self), start
         soft.approaches = lambda *_: iter(())  # type: ignore[method-assign]
-        for rows in softer_laws(self.structure, float(np.abs(self.loaded.weight).sum())):
-            soft.structure = self.structure._replace(runs=self.structure.runs._replace(law=rows))
+        for soft.structure in softened(self.structure, float(np.abs(self.loaded.weight).sum())):
             near = minimum.settle(soft, near, way)
         if near is not start:
             yield near
