@@ -37,7 +37,7 @@ def _used() -> float:
 
 
 @dataclass
-class _Search:
+class _Effort:
     """What one search has taken, and names of the runs of lines that it moves."""
 
     names: Sequence[str] = ()
@@ -45,7 +45,7 @@ class _Search:
     factorisations: int = 0
 
 
-_PRESENT: ContextVar[_Search | None] = ContextVar("search", default=None)
+_PRESENT: ContextVar[_Effort | None] = ContextVar("search", default=None)
 
 
 @contextmanager
@@ -63,7 +63,7 @@ def search(names: Sequence[str] = ()) -> Iterator[None]:
         finally:
             present.names = before
         return
-    token = _PRESENT.set(_Search(names))
+    token = _PRESENT.set(_Effort(names))
     try:
         yield
     finally:

@@ -8,10 +8,15 @@ drawing; from there stiffness grows by a constant factor to what it is.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from copy import copy
+from typing import Any
 
 import numpy as np
 
 from ropewalk.mechanics import law
+from ropewalk.mechanics.chain import Array
+from ropewalk.solve import minimum
+from ropewalk.solve.symmetric import Way
 from ropewalk.system.elements.structure import Structure
 
 # Least axial stiffness over all loads: lines that are softer hang far below where they are. And the factor of a step.
@@ -38,3 +43,23 @@ def softened(structure: Structure, load: float = 0.0) -> Iterator[Structure]:
             saddles=None if saddles is None else saddles._replace(k=float(part.min()) * saddles.k),
         )
         least *= _FACTOR
+
+
+def stiffened(potential: Any, start: Array, load: float, way: Way) -> Iterator[Array]:
+    """Yield the equilibrium next to a shape of softer lines that have become as stiff as they are nearly.
+
+    Args:
+        potential: `SystemPotential` of the structure.
+        start: a shape, m.
+        load: N, of what stands on the lines.
+        way: of solving, see `solve/symmetric.py`.
+
+    Raises:
+        EquilibriumError: softer lines have none, either.
+    """
+    soft, near = copy(potential), start
+    soft.approaches = lambda *_: iter(())
+    for soft.structure in softened(potential.structure, load):
+        near = minimum.settle(soft, near, way)
+    if near is not start:
+        yield near

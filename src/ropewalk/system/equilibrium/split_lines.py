@@ -19,14 +19,12 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-import scipy.sparse as sparse
-import scipy.sparse.linalg
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.model.scenario import Scenario
 from ropewalk.solve.minimum import cause
-from ropewalk.solve.search_budget import search, spend
+from ropewalk.solve.search_budget import search
 from ropewalk.system.assembling.assembled import Assembled
 from ropewalk.system.assembling.assembly import assembled_of
 from ropewalk.system.assembling.laid import Laid, Over, lay
@@ -34,6 +32,7 @@ from ropewalk.system.assembling.line_shapes import attached, curves
 from ropewalk.system.assembling.membranes import sheet_of
 from ropewalk.system.elements.structure import Structure
 from ropewalk.system.equilibrium.rest import ends_of, settled_in_wind, tensions, with_ends
+from ropewalk.system.equilibrium.slipping import missed, slip
 from ropewalk.system.equilibrium.softening import softened
 from ropewalk.system.equilibrium.statics import SystemPotential
 from ropewalk.system.equilibrium.tracks import with_tracks
@@ -50,9 +49,8 @@ _SHARED = 0.375
 # Rounds in which lines come to rest over sheaves, and before softer ones are tried; what is left of a tension then,
 # and of a length.
 _ROUNDS, _FEW, _EVEN, _CLOSE = 100, 12, 1e-9, 1e-10
-# By how much lines are slipped to see what that changes, and the most of the way to the next end in a round.
-_NUDGE, _FAR = 1e-6, 0.4
-_NEUTRAL = 1e-12  # of the largest stiffness, where a part has none
+# The most of the way to the next end by which lines slip in a round.
+_FAR = 0.4
 # The most that a shape goes on as it went before, over how far it went then.
 _ON = 2.0
 AT_SHEAVE = "a load has come to a sheave, which it cannot pass; let it stay beside it"
@@ -457,55 +455,6 @@ class SplitLines:
             ends = structure.runs.first[sheaves.run] + structure.runs.links[sheaves.run]
             over = dict(zip(self._sheaves, (assembled.station[ends] + sheaves.ahead).tolist(), strict=True))
         return _shape(assembled, assembled.near, over)
-
-
-def missed(rest: SplitRest, friction: Array, slips: Array) -> tuple[Array, float]:
-    """By how much more lines are pulled ahead of sheaves than friction bears, (sheave,) N, and the largest tension.
-
-    Args:
-        rest: of the lines.
-        friction: (sheave,) coefficients.
-        slips: (sheave,) 1 where lines slip ahead, -1 where back: there friction bears all that it can; 0: what it must.
-    """
-    rest.potential.forces(rest.shape)
-    out, largest = np.zeros(len(rest.sheaves)), 0.0
-    for j, s in enumerate(rest.run[: out.size].tolist()):
-        (one, before), (two, after) = rest.at_end(s, 1), rest.at_end(s + 1, 0)
-        angle = float(np.arccos(np.clip(before @ after, -1.0, 1.0)))
-        ratio = float(np.exp(friction[j] * angle))
-        most, least = (max(T * ratio, T / ratio) for T in (one, two))
-        goes = slips[j] or float(two > most) - float(one > least)
-        out[j] = two - most if goes > 0.0 else (least - one if goes < 0.0 else 0.0)
-        largest = max(largest, abs(one), abs(two))
-    return out, largest
-
-
-def slip(rest: SplitRest, miss: Array, friction: Array, goes: Array) -> tuple[Array, Array]:
-    """By how far sheaves come ahead on their lines, (sheave,) m, by Newton's method, and how shapes go with that."""
-    slips, nudge = np.flatnonzero(miss), _NUDGE * float(rest.structure.runs.h.min())
-    before = rest.potential.out_of_balance(rest.shape)
-    spend(rest.shape)
-    K = rest.potential.stiffness(rest.shape).tocsc()
-    try:
-        solve = scipy.sparse.linalg.splu(K)
-    except RuntimeError:  # a part is slack, as between a mass on a rail and what holds both
-        if not rest.is_loaded:
-            raise EquilibriumError(f"no equilibrium was found: {cause(rest.potential, rest.shape)}") from None
-        little = _NEUTRAL * float(np.abs(K.diagonal()).max())
-        solve = scipy.sparse.linalg.splu((K + little * sparse.identity(K.shape[0])).tocsc())
-    J, ways = np.zeros((slips.size, slips.size)), np.zeros((rest.shape.size, slips.size))
-    for column, j in enumerate(slips.tolist()):
-        other = rest.put(rest.x + nudge * (np.arange(rest.x.size) == j))
-        ways[:, column] = rest.potential.free @ solve.solve(other.potential.out_of_balance(rest.shape) - before)
-        moved = other._replace(shape=rest.shape + ways[:, column])
-        J[:, column] = (missed(moved, friction, goes)[0] - miss)[slips] / nudge
-    out = np.zeros(miss.size)
-    curvature, along = np.linalg.eigh(0.5 * (J + J.T))
-    if curvature.min(initial=1.0) > 0.0:
-        out[slips] = -np.linalg.solve(J, miss[slips])
-    else:  # balanced there, it would be so as on a tip: downhill
-        out[slips] = -along @ ((miss[slips] @ along) / np.maximum(np.abs(curvature), 1e-300))
-    return out, ways @ out[slips] / nudge
 
 
 def _shape(assembled: Assembled, r: Array, over: Over) -> LineShape:
