@@ -34,6 +34,10 @@ class Truss:
         x = 0.0 if self.sliding else r[0]
         return [np.array([x + WIDE, r[1]]), np.array([x - WIDE, r[1]])]
 
+    @property
+    def free(self) -> sparse.csc_matrix:
+        return sparse.identity(2, format="csc")[:, self.only]
+
     def energy(self, r: Array) -> float:
         stored = sum(0.5 * EA / self.bar * (np.linalg.norm(d) - self.bar) ** 2 for d in self.bars(r))
         return float(stored - self.given @ r)
@@ -63,6 +67,9 @@ class Truss:
 
     def stability(self, r: Array) -> tuple[sparse.csc_matrix, np.ndarray]:
         return self.stiffness(r), np.arange(len(self.only))
+
+    def part(self, r: Array, way: Array) -> str:
+        return "the node"
 
     def moved(self, r: Array, step: Array) -> Array:
         out = r.copy()
@@ -118,5 +125,5 @@ def test_what_nothing_holds_against_its_force_is_refused() -> None:
     truss = Truss(sliding=True)
     truss._own = lambda pull: pull + np.array([10.0, 0.0])  # type: ignore[method-assign]
     truss.energy = lambda r: -10.0 * float(r[0])  # type: ignore[method-assign]
-    with pytest.raises(EquilibriumError, match="no rest was found"):
+    with pytest.raises(EquilibriumError, match="no equilibrium was found.*: the node is free to move"):
         settle(truss, np.array([0.0, HIGH]))

@@ -10,6 +10,7 @@ import numpy as np
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.chain import Array
+from ropewalk.solve.search_budget import SearchBudgetError
 
 # Steps are never made smaller than this part of the distance between two regular positions.
 _LEAST = 1.0 / 4096.0
@@ -69,8 +70,8 @@ def follow(
             target = float(goal) if parts == 1 else here.path + rest / parts
             try:
                 new = step(here, before, target)
-            except EquilibriumError:
-                if size <= _LEAST * widest:
+            except EquilibriumError as error:
+                if isinstance(error, SearchBudgetError) or size <= _LEAST * widest:
                     if not between and here.path not in regular:
                         yield here
                     raise

@@ -12,6 +12,7 @@ import scipy.sparse.linalg
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.chain import Array, Integers
+from ropewalk.solve.search_budget import SearchBudgetError, search, spend
 from ropewalk.solve.sensitivity import NotBesideError, Rests, Solve, by_factors, present
 from ropewalk.solve.symmetric import IndefiniteError, Solver, Way, modes
 
@@ -28,6 +29,8 @@ _IN_PLANE = 1e-9
 # Of the largest stiffness times the size: forces that rounding makes; and how many shapes in a row with no others tell
 # that nothing but that is left.
 _ROUNDING, _STALLED = 4.0 * np.finfo(np.float64).eps, 5
+# Of the largest stiffness: a direction with less is free.
+_SLIDES = 1e-10
 _STIFFEST = 1e6  # shift, of the largest stiffness, with which a search downhill gives up
 _LEAPS = 10.0 ** -np.arange(1.0, 8.0)  # of the size, off a saddle: stiff lines leave it by short ones only
 
@@ -68,6 +71,9 @@ class Potential(Protocol):
     def stability(self, r: Array) -> tuple[sparse.csc_matrix, Integers]:
         """A symmetric stiffness that is definite where the energy is least, and the unknowns that it is of."""
 
+    def part(self, r: Array, way: Array) -> str:
+        """Name of the part that moves most with a change of a shape, and where it is."""
+
     def moved(self, r: Array, step: Array) -> Array:
         """The shape after a step (unknown,) m of the unknowns."""
 
@@ -100,7 +106,31 @@ def settle(potential: Potential, start: Array, way: Way = "auto") -> Array:
     if potential.out_of_balance(start).size == 0:
         return start.copy()
     rests = present()
-    return _settle(potential, start, way) if rests is None else _among(rests, potential, start, way)
+    with search():
+        try:
+            return _settle(potential, start, way) if rests is None else _among(rests, potential, start, way)
+        except SearchBudgetError as error:
+            if error.shape is None:
+                raise
+            raise SearchBudgetError(f"{error}: {cause(potential, error.shape)}") from None
+
+
+def cause(potential: Potential, r: Array) -> str:
+    """Why a search has come no further than a shape: what is free to move there, or is not in balance."""
+    K, unknowns = potential.stability(r)
+    out, largest = potential.out_of_balance(r), float(np.abs(K.diagonal()).max(initial=0.0))
+    if np.isfinite(K.data).all() and np.isfinite(out).all() and largest > 0.0:
+        rates, shapes = modes(K, np.ones(K.shape[0]), 1)
+        if abs(rates[0]) * rates[0] <= _SLIDES * largest:
+            way = np.zeros(out.size)
+            way[unknowns] = shapes[:, 0]
+            part = potential.part(r, np.asarray(potential.free @ way))
+            if rates[0] > -np.sqrt(_SLIDES * largest):
+                return f"{part} is free to move; hold it with a support, a line or a spring"
+            return f"{part} gives way: lines are pushed together there; check lengths, supports and forces"
+    worst = int(np.abs(np.nan_to_num(out, nan=np.inf)).argmax())
+    part = potential.part(r, np.asarray(potential.free @ (np.arange(out.size) == worst).astype(np.float64)))
+    return f"{abs(out[worst]):.3g} N are not in balance on {part}; check supports, lengths and forces there"
 
 
 def _among(rests: Rests, potential: Potential, start: Array, way: Way) -> Array:
@@ -183,6 +213,7 @@ def newton(potential: Potential, start: Array, way: Way = "auto", steps: int = 0
     solver: Solver | None = None
     stalled = list[Array]()  # shapes out of balance by no more than rounding
     for _ in range(steps or _FULL_STEPS):
+        spend(r)
         K, out = potential.stiffness(r), potential.out_of_balance(r)
         if potential.is_symmetric and solver is None:
             solver = Solver(_with_diagonal(potential.pattern(r)), way)
@@ -273,6 +304,7 @@ def _downhill(potential: Potential, start: Array, way: Way) -> Array:
             shift = _NEUTRAL
         K = potential.convex(r) if shift else K
         while True:
+            spend(r)
             step = solver.solve(out) if _factorised(solver, K, shift) else np.full_like(out, np.nan)
             largest = float(np.abs(step).max(initial=0.0))
             if np.isfinite(largest) and float(step @ out) >= 0.0:
@@ -281,9 +313,7 @@ def _downhill(potential: Potential, start: Array, way: Way) -> Array:
                 if lower <= energy or largest < _ALMOST * size:
                     break
             if shift > _STIFFEST:
-                raise EquilibriumError(
-                    "no rest was found: check what holds the structure, and whether lines are pushed together"
-                )
+                raise EquilibriumError(f"no equilibrium was found: {cause(potential, r)}")
             shift = max(_NEUTRAL, 10.0 * shift)
         r, is_another = potential.arrived(tried)
         energy = lower
@@ -295,7 +325,7 @@ def _downhill(potential: Potential, start: Array, way: Way) -> Array:
             r, shift, largest = _off_saddle(potential, r), 0.0, np.inf
             energy = potential.energy(r)
         before, shift = largest, 0.1 * shift if shift > _NEUTRAL else 0.0
-    raise EquilibriumError(f"no rest was found in {_MOST_STEPS} steps; check what holds the structure")
+    raise EquilibriumError(f"no equilibrium was found in {_MOST_STEPS} steps: {cause(potential, r)}")
 
 
 def _off_saddle(potential: Potential, r: Array) -> Array:
@@ -315,6 +345,6 @@ def _off_saddle(potential: Potential, r: Array) -> Array:
             if potential.energy(tried) < energy:
                 return tried
     raise EquilibriumError(
-        "the structure is only balanced at rest, not stable: lines are pushed together; check forces, supports and "
-        "lengths, or give lines without bending stiffness law: {kind: tension_only}"
+        f"the equilibrium is not stable: {cause(potential, r)}, or give lines without bending stiffness law: "
+        "{kind: tension_only}"
     )

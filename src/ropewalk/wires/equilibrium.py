@@ -313,6 +313,10 @@ class _WireShape:
     def stability(self, r: Array) -> tuple[sparse.csc_matrix, Integers]:
         return self.stiffness(r), np.arange(self._free.size)
 
+    def part(self, r: Array, way: Array) -> str:
+        node = int(np.abs(way).reshape(3, -1).max(axis=0).argmax())
+        return "a wire near ({:.4g}, {:.4g}, {:.4g}) m".format(*r[:, node])
+
     def moved(self, r: Array, step: Array) -> Array:
         out = r.copy()
         out.reshape(-1)[self._free] += step

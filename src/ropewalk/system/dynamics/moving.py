@@ -29,6 +29,7 @@ from ropewalk.results.frames import Frames, NotedInstants
 from ropewalk.results.running import Ending
 from ropewalk.solve.choice import RKN6_LIMIT, Bounds, rkn6_step
 from ropewalk.solve.composition import RKN6, VERLET
+from ropewalk.solve.search_budget import search
 from ropewalk.solve.stages import LOBATTO, RADAU, Stages
 from ropewalk.system.assembling.assembly import contacts_of, refuse_beyond
 from ropewalk.system.contact.contact_record import BODY
@@ -47,9 +48,10 @@ from ropewalk.system.elements.compliance import compliances
 from ropewalk.system.elements.inertia import remark_inertia, with_inertia
 from ropewalk.system.elements.structure import WORKS, Buffers, SystemState
 from ropewalk.system.equilibrium.carriages_at_rest import CarriagesAtRest
+from ropewalk.system.equilibrium.lengths import off_tension
 from ropewalk.system.equilibrium.rest import about_rest, at_rest, least, refuse_limp, settled_in_wind, tensions
 from ropewalk.system.equilibrium.statics import SystemPotential
-from ropewalk.system.equilibrium.structures import structure_of
+from ropewalk.system.equilibrium.structures import rest_before_motion, structure_of
 from ropewalk.system.loads.crabs import Crabs, stand_on_lines
 from ropewalk.system.loads.loaded_structure import Carried, LoadedStructure, load_springs, measure_from_ends
 from ropewalk.system.loads.pantographs import stand_below, with_pantographs
@@ -102,7 +104,7 @@ class SystemMotion:
         self.assembled = structure_of(scenario, asked.until, axes)
         gravity = np.zeros(len(self.assembled.axes))
         gravity[-1] = -scenario.gravity
-        self.structure, self.rest = at_rest(self.assembled.structure, gravity, self.assembled.near)
+        self.structure, self.rest = rest_before_motion(scenario, self.assembled, gravity)
         self._friction = StickingFriction(self.structure, self.rest) if asked.geometry == "linearised" else None
         if asked.geometry == "linearised":
             self.structure = about_rest(self.structure, self.rest)
@@ -177,7 +179,7 @@ class SystemMotion:
         cut = stability.cut_by_damping(self.assembled, self.rest, self.times[-1] / self._step)
         run_info.warnings += [*shaken(scenario), *doubts.coarse_for_wheels(scenario), *self._carriages.slack(), *cut]
         run_info.warnings += doubts.not_pushed_outwards(scenario)
-        run_info.warnings += doubts.joined_beside(scenario, self.assembled)
+        run_info.warnings += [*doubts.joined_beside(scenario, self.assembled), *off_tension(scenario, self.assembled)]
 
     @property
     def layout(self) -> Layout:
@@ -293,7 +295,9 @@ class SystemMotion:
         potential = self._bearing(near)
         if u is not None:
             potential.loaded.state.u[: u.size] = u
-        shape = (partial(settled_in_wind, t=0.0) if self._in_wind else least)(potential, potential.taken())
+        with search(self.assembled.line):
+            settled = partial(settled_in_wind, t=0.0) if self._in_wind else least
+            shape = settled(potential, potential.taken())
         potential.forces(shape)
         r, u = potential.put(shape)
         self.state.r[:], self.state.u[:] = r, u[: potential.loaded.own]

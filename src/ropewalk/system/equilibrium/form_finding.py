@@ -50,8 +50,16 @@ def formed(scenario: Scenario) -> Scenario:
         for below in [scenario.lines[row.below]]
     ]
     n, size = len(hung), max(float(np.ptp(one.span, axis=0).max()) for one in hung)
-    x = np.array([*(one.line.length for one in hung), *(_head(one) for one in hung)], dtype=np.float64)
-    J = -np.eye(2 * n)  # inverse of how what is missed changes with x
+    taut = _by_tension(scenario)
+    x = np.array(
+        [
+            *(one.line.length for one in hung),
+            *(_head(one) for one in hung),
+            *(unstrained(scenario.lines[name]) for name in taut),
+        ],
+        dtype=np.float64,
+    )
+    J = -np.eye(x.size)  # inverse of how what is missed changes with x
     before: tuple[Array, Array] | None = None
     for _ in range(_ROUNDS):
         missed = _missed(scenario, hung, x)
@@ -62,9 +70,9 @@ def formed(scenario: Scenario) -> Scenario:
             share = J @ dF
             J += np.outer(dx - share, dx @ J) / (dx @ share)
         step = -J @ missed
-        most = np.concatenate([_FAR * x[:n], np.full(n, _FAR * size / n)])
+        most = np.concatenate([_FAR * x[:n], np.full(x.size - n, _FAR * size / n)])
         before, x = (x, missed), x + step * min(1.0, float((most / np.maximum(np.abs(step), 1e-300)).min()))
-    worst = int(np.abs(missed).argmax()) % n
+    worst = int(np.abs(missed[: 2 * n]).argmax()) % n
     raise EquilibriumError(
         f"hangers.{next(k for k, row in scenario.hangers.items() if row is hung[worst].row)}: no lengths were found "
         f"with which {hung[worst].row.below} rests as wanted ({np.abs(missed).max():.2g} m off); look whether "
@@ -79,10 +87,16 @@ def _head(one: _Hanger) -> float:
 
 
 def _with(scenario: Scenario, hung: list[_Hanger], x: Array) -> Scenario:
-    """The scenario with hangers of given lengths and places on the lines above, x, m."""
-    n, lines = len(hung), dict(scenario.lines)
+    """The scenario with hangers of given lengths and places on the lines above, and lengths of lines below, x, m."""
+    n, lines, taut = len(hung), dict(scenario.lines), _by_tension(scenario)
     for i, one in enumerate(hung):
-        whole, foot = unstrained(scenario.lines[one.row.above]), getattr(one.line.end_support, "at", 0.0)
+        whole, foot, below = (
+            unstrained(scenario.lines[one.row.above]),
+            getattr(one.line.end_support, "at", 0.0),
+            one.row.below,
+        )
+        if below in taut:  # feet keep their parts of a length that follows from the tension
+            foot *= float(x[2 * n + taut.index(below)]) / unstrained(scenario.lines[below])
         head = float(np.clip(x[n + i], 1e-6 * whole, (1.0 - 1e-6) * whole))
         lines[one.name] = hanger(one.row, one.line.start, one.line.end, head, foot, float(x[i]))
     return scenario.model_copy(update={"lines": lines, "hangers": {}})
@@ -103,4 +117,12 @@ def _missed(scenario: Scenario, hung: list[_Hanger], x: Array) -> Array:
         part = float((foot[:-1] - start[:-1]) @ level / (level @ level))
         high.append(float(foot[-1] - start[-1] - part * (end[-1] - start[-1]) - one.row.rise(part)))
         ahead.append(float((head[:-1] - foot[:-1]) @ level) / float(np.linalg.norm(level)))
-    return np.array(high + [-a for a in ahead])
+    found = dict(zip(scenario.lines, assembled.structure.lines.length.tolist(), strict=False))
+    longer = [found[name] - x[2 * len(hung) + i] for i, name in enumerate(_by_tension(scenario))]
+    return np.array(high + [-a for a in ahead] + longer)
+
+
+def _by_tension(scenario: Scenario) -> list[str]:
+    """Lines with hangers below others whose lengths follow from their tensions."""
+    below = dict.fromkeys(row.below for row in scenario.hangers.values())
+    return [name for name in below if scenario.lines[name].length is None]

@@ -23,6 +23,7 @@ from ropewalk.system.assembling.assembly import contacts_of, refuse_beyond
 from ropewalk.system.assembling.laid import Over
 from ropewalk.system.elements.structure import WORKS, SystemState
 from ropewalk.system.equilibrium.fixed_stations import FixedStations
+from ropewalk.system.equilibrium.lengths import off_tension
 from ropewalk.system.equilibrium.slow_motion import SlowMotion, positions_at
 from ropewalk.system.equilibrium.split_holds import Beside, SplitHolds
 from ropewalk.system.equilibrium.split_lines import AT_SHEAVE, LineForce, LineShape, SplitLines, SplitRest
@@ -86,7 +87,7 @@ class RestUnderForces(SlowMotion[_Loaded]):
         self._scenario, self._run_info, self._loading, self._structure = scenario, run_info, loading, structure
         self._carried = Carried(*contacts_of(scenario, loading, structure, assembled.on))
         refuse_beyond(scenario, loading, self._carried.contacts, structure)
-        run_info.warnings += joined_beside(scenario, assembled)
+        run_info.warnings += [*joined_beside(scenario, assembled), *off_tension(scenario, assembled)]
         self._windy = scenario.wind is not None and not scenario.wind.is_calm
         lengths = dict(zip(scenario.lines, structure.lines.length.tolist(), strict=False))
         self._lines = SplitLines(scenario, lengths, until, assembled.axes)

@@ -59,7 +59,10 @@ class RubbingPotential(LaggingPotential):
         return self._smooth
 
     def approaches(self, start: Array, way: Way) -> Iterator[Array]:
-        """The rest without friction."""
+        """The rest without friction, and how that is approached."""
+        if self._smooth:
+            yield from super().approaches(start, way)
+            return
         self._smooth = True
         try:
             found = minimum.settle(self, start, way)
@@ -83,8 +86,8 @@ class RubbingPotential(LaggingPotential):
         finally:
             self._slides = True
 
-    def stiffness(self, shape: Array) -> sparse.csc_matrix:
-        K, r = super().stiffness(shape), self.put(shape)[0]
+    def stiffness(self, shape: Array, *, convex: bool = False) -> sparse.csc_matrix:
+        K, r = super().stiffness(shape, convex=convex), self.put(shape)[0]
         n, axes = r.shape[1], np.arange(self.axes)
         rows, columns, values = [], [], []
         for rubbed in self._rubbed(r):

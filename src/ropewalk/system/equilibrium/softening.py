@@ -8,25 +8,29 @@ drawing; from there stiffness grows by a constant factor to what it is.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from copy import copy
+from typing import Any
 
 import numpy as np
 
 from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array
+from ropewalk.solve import minimum
+from ropewalk.solve.symmetric import Way
 from ropewalk.system.elements.structure import Structure
 
 # Least axial stiffness over all loads: lines that are softer hang far below where they are. And the factor of a step.
 _LEAST, _FACTOR = 5.0, 5.0
 
 
-def softer_laws(structure: Structure, load: float = 0.0) -> Iterator[Array]:
-    """Yield axial laws (run, parameter) of softer lines, ever stiffer; none where all are as soft or bend.
+def softened(structure: Structure, load: float = 0.0) -> Iterator[Structure]:
+    """Yield a structure with softer lines, on saddles that are as much softer, ever stiffer; none where all are soft.
 
     Args:
-        structure: whose lines these are.
+        structure: whose lines these are; those that bend stay.
         load: N, of what stands on them.
     """
-    runs, restraints = structure.runs, structure.restraints
+    runs, restraints, saddles = structure.runs, structure.restraints, structure.saddles
     least = _LEAST * (load + float(np.abs(structure.nodes.force).sum() + np.abs(restraints.force).sum()))
     stiffness = np.array([law.tangent(row, 1e-9) for row in runs.law])
     soft = (runs.law[:, 0] != law.RIGID) & (runs.law[:, 0] != law.TABLE) & (runs.bending == 0.0) & (stiffness > least)
@@ -34,5 +38,28 @@ def softer_laws(structure: Structure, load: float = 0.0) -> Iterator[Array]:
         part = np.where(soft, np.minimum(least / np.where(soft, stiffness, 1.0), 1.0), 1.0)
         rows = runs.law.copy()
         rows[:, 2:] *= part[:, None]
-        yield rows
+        yield structure._replace(
+            runs=runs._replace(law=rows),
+            saddles=None if saddles is None else saddles._replace(k=float(part.min()) * saddles.k),
+        )
         least *= _FACTOR
+
+
+def stiffened(potential: Any, start: Array, load: float, way: Way) -> Iterator[Array]:
+    """Yield the equilibrium next to a shape of softer lines that have become as stiff as they are nearly.
+
+    Args:
+        potential: `SystemPotential` of the structure.
+        start: a shape, m.
+        load: N, of what stands on the lines.
+        way: of solving, see `solve/symmetric.py`.
+
+    Raises:
+        EquilibriumError: softer lines have none, either.
+    """
+    soft, near = copy(potential), start
+    soft.approaches = lambda *_: iter(())
+    for soft.structure in softened(potential.structure, load):
+        near = minimum.settle(soft, near, way)
+    if near is not start:
+        yield near

@@ -13,16 +13,18 @@ of the links there and from what the line weighs in between, dT/dx = -rho g . t 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from copy import copy
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-import scipy.sparse.linalg
 
 from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.model.scenario import Scenario
+from ropewalk.solve.minimum import cause
+from ropewalk.solve.search_budget import search
 from ropewalk.system.assembling.assembled import Assembled
 from ropewalk.system.assembling.assembly import assembled_of
 from ropewalk.system.assembling.laid import Laid, Over, lay
@@ -30,7 +32,8 @@ from ropewalk.system.assembling.line_shapes import attached, curves
 from ropewalk.system.assembling.membranes import sheet_of
 from ropewalk.system.elements.structure import Structure
 from ropewalk.system.equilibrium.rest import ends_of, settled_in_wind, tensions, with_ends
-from ropewalk.system.equilibrium.softening import softer_laws
+from ropewalk.system.equilibrium.slipping import missed, slip
+from ropewalk.system.equilibrium.softening import softened
 from ropewalk.system.equilibrium.statics import SystemPotential
 from ropewalk.system.equilibrium.tracks import with_tracks
 from ropewalk.system.loads.loaded_structure import LoadedStructure
@@ -43,10 +46,11 @@ _BESIDE = 0.05
 _UNEVEN = 2.0
 # Part of the load on a link that an end bears for which the next two nodes bear some, see `rest.py`.
 _SHARED = 0.375
-# Rounds in which lines come to rest over sheaves, before softer ones are tried, too; what is left of a tension then, and of a length.
+# Rounds in which lines come to rest over sheaves, and before softer ones are tried; what is left of a tension then,
+# and of a length.
 _ROUNDS, _FEW, _EVEN, _CLOSE = 100, 12, 1e-9, 1e-10
-# By how much lines are slipped to see what that changes, and the most of the way to the next end in a round.
-_NUDGE, _FAR = 1e-6, 0.4
+# The most of the way to the next end by which lines slip in a round.
+_FAR = 0.4
 # The most that a shape goes on as it went before, over how far it went then.
 _ON = 2.0
 AT_SHEAVE = "a load has come to a sheave, which it cannot pass; let it stay beside it"
@@ -117,6 +121,11 @@ class SplitRest(NamedTuple):
     def structure(self) -> Structure:
         """With the forces."""
         return self.potential.structure
+
+    @property
+    def is_loaded(self) -> bool:
+        """Whether there are weights or forces."""
+        return bool(self.structure.nodes.force.any() or self.structure.restraints.force.any())
 
     def runs_of(self, name: str) -> list[int]:
         """The runs of a line, in order."""
@@ -250,23 +259,22 @@ class SplitLines:
                 return found._replace(before=(near.t, near.shape)) if even else found
             near = LineShape.of(near)
         start = self._split(forces, self._drawn() if near is None else near.over, near, t)
-        if not self._sheaves or friction.any():
-            return self._slipped(start, friction)
-        try:
-            return self._slipped(start, friction, close=True, rounds=_FEW)
-        except EquilibriumError:
-            if (soft := self._stiffened(start, friction)) is None:
-                raise
-        if not self._is_even(soft):
-            soft = self._split(forces, soft.over, LineShape.of(soft), t)
-        return self._slipped(soft, friction)
+        with search(start.assembled.line):
+            if not self._sheaves or friction.any():
+                return self._slipped(start, friction)
+            with suppress(EquilibriumError):
+                return self._slipped(start, friction, close=True, rounds=_FEW)
+            soft = self._stiffened(start, friction)
+            if not self._is_even(soft):
+                soft = self._split(forces, soft.over, LineShape.of(soft), t)
+            return self._slipped(soft, friction)
 
-    def _stiffened(self, start: SplitRest, friction: Array) -> SplitRest | None:
-        """Equilibrium of lines that are much softer, then ever stiffer; None where none is softer."""
+    def _stiffened(self, start: SplitRest, friction: Array) -> SplitRest:
+        """Equilibrium of lines that are much softer, then ever stiffer; the start where none is softer."""
         law, found = start.structure.runs.law, start
-        for rows in softer_laws(start.structure):
-            found = self._slipped(found.with_laws(rows), friction)
-        return None if found is start else found.with_laws(law)
+        for soft in softened(start.structure):
+            found = self._slipped(found.with_laws(soft.runs.law), friction)
+        return found.with_laws(law)
 
     def _gone_on(self, near: SplitRest, forces: Sequence[LineForce], t: float) -> Iterator[SplitRest]:
         """Where lines may be about at rest, without dividing them anew: as they went on before, and as they are."""
@@ -406,9 +414,12 @@ class SplitLines:
         for _ in range(rounds if sheaves else 0):
             miss, largest = missed(found, friction, goes)
             goes = np.where(goes == 0.0, np.sign(miss), goes)
-            step, way = slip(found, miss, friction, goes) if np.abs(miss).max() > _EVEN * largest else (0.0 * miss, 0.0)
+            is_even = np.abs(miss).max() <= _EVEN * largest
+            step, way = (0.0 * miss, 0.0) if is_even else slip(found, miss, friction, goes)
             if np.abs(step).max() <= _CLOSE * found.potential.size:
                 back = (friction > 0.0) & ((found.x - begin)[:sheaves] * goes > _CLOSE * found.potential.size)
+                if not (back.any() or found.is_loaded or largest > 0.0):
+                    raise EquilibriumError(f"no equilibrium was found: {cause(found.potential, found.shape)}")
                 if not back.any():
                     return found
                 goes[back], found.x[:sheaves][back] = 0.0, begin[:sheaves][back]  # it does not slip there at all
@@ -429,7 +440,12 @@ class SplitLines:
             found = found.put(x)._replace(shape=found.shape + most * way)
             found = found._replace(shape=settled_in_wind(found.potential, found.shape, found.t, close=few))
         if sheaves:
-            raise EquilibriumError("no rest was found: lines do not stop slipping over their sheaves; check their ends")
+            j = int(np.abs(miss).argmax())
+            name, own = found.sheaves[j]
+            raise EquilibriumError(
+                f"no equilibrium was found: line {name} does not stop slipping over sheave {own}, where its tensions "
+                f"differ by {abs(miss[j]):.3g} N; check its length, and what its ends hold"
+            )
         return found
 
     def shape_of(self, assembled: Assembled) -> LineShape:
@@ -439,47 +455,6 @@ class SplitLines:
             ends = structure.runs.first[sheaves.run] + structure.runs.links[sheaves.run]
             over = dict(zip(self._sheaves, (assembled.station[ends] + sheaves.ahead).tolist(), strict=True))
         return _shape(assembled, assembled.near, over)
-
-
-def missed(rest: SplitRest, friction: Array, slips: Array) -> tuple[Array, float]:
-    """By how much more lines are pulled ahead of sheaves than friction bears, (sheave,) N, and the largest tension.
-
-    Args:
-        rest: of the lines.
-        friction: (sheave,) coefficients.
-        slips: (sheave,) 1 where lines slip ahead, -1 where back: there friction bears all that it can; 0: what it must.
-    """
-    rest.potential.forces(rest.shape)
-    out, largest = np.zeros(len(rest.sheaves)), 0.0
-    for j, s in enumerate(rest.run[: out.size].tolist()):
-        (one, before), (two, after) = rest.at_end(s, 1), rest.at_end(s + 1, 0)
-        angle = float(np.arccos(np.clip(before @ after, -1.0, 1.0)))
-        ratio = float(np.exp(friction[j] * angle))
-        most, least = (max(T * ratio, T / ratio) for T in (one, two))
-        goes = slips[j] or float(two > most) - float(one > least)
-        out[j] = two - most if goes > 0.0 else (least - one if goes < 0.0 else 0.0)
-        largest = max(largest, abs(one), abs(two))
-    return out, largest
-
-
-def slip(rest: SplitRest, miss: Array, friction: Array, goes: Array) -> tuple[Array, Array]:
-    """By how far sheaves come ahead on their lines, (sheave,) m, by Newton's method, and how shapes go with that."""
-    slips, nudge = np.flatnonzero(miss), _NUDGE * float(rest.structure.runs.h.min())
-    before = rest.potential.out_of_balance(rest.shape)
-    solve = scipy.sparse.linalg.splu(rest.potential.stiffness(rest.shape).tocsc())
-    J, ways = np.zeros((slips.size, slips.size)), np.zeros((rest.shape.size, slips.size))
-    for column, j in enumerate(slips.tolist()):
-        other = rest.put(rest.x + nudge * (np.arange(rest.x.size) == j))
-        ways[:, column] = rest.potential.free @ solve.solve(other.potential.out_of_balance(rest.shape) - before)
-        moved = other._replace(shape=rest.shape + ways[:, column])
-        J[:, column] = (missed(moved, friction, goes)[0] - miss)[slips] / nudge
-    out = np.zeros(miss.size)
-    curvature, along = np.linalg.eigh(0.5 * (J + J.T))
-    if curvature.min(initial=1.0) > 0.0:
-        out[slips] = -np.linalg.solve(J, miss[slips])
-    else:  # balanced there, it would be so as on a tip: downhill
-        out[slips] = -along @ ((miss[slips] @ along) / np.maximum(np.abs(curvature), 1e-300))
-    return out, ways @ out[slips] / nudge
 
 
 def _shape(assembled: Assembled, r: Array, over: Over) -> LineShape:

@@ -8,7 +8,6 @@ T/l follow from S = S(T), with T the mean of h T/l of the links, kinks included.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from copy import copy
 
 import numpy as np
 import scipy.sparse as sparse
@@ -17,7 +16,6 @@ from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.compiled import lean, lean_inner
-from ropewalk.solve import minimum
 from ropewalk.solve.symmetric import Way
 from ropewalk.system.contact.contact_point import locate_point
 from ropewalk.system.contact.contact_record import BODY, ON
@@ -50,7 +48,8 @@ from ropewalk.system.elements.spline import WIDTH
 from ropewalk.system.elements.structure import WORKS, Buffers, Structure
 from ropewalk.system.elements.surfaces import add_surface_forces, distribute_forces, stored_in
 from ropewalk.system.elements.ties import add_tie_forces, stored_in_ties
-from ropewalk.system.equilibrium.softening import softer_laws
+from ropewalk.system.equilibrium.named_part import named_part
+from ropewalk.system.equilibrium.softening import stiffened
 from ropewalk.system.loads.loaded_structure import LoadedStructure
 
 
@@ -273,8 +272,7 @@ class SystemPotential:
         K = self._forms.across.of(np.concatenate([*(by_forms * axes), bed])) + rows.T @ scaled(rows, rise)
         if self.loaded.on.size:
             K = K + self._kinks(rows, rise)
-        for more in (self._of_groups("stiffness", r, u.size), self._of_restraints("stiffness")):
-            K = K + more if more.nnz else K
+        K = K + self._of_groups("stiffness", r, u.size) + self._of_restraints("stiffness")
         if u.size:
             K = K + sparse.block_diag([sparse.csr_matrix((r.size, r.size)), self.loaded.stiffness(u)])
         K = (self.free.T @ K @ self.free).tocsc()
@@ -465,6 +463,9 @@ class SystemPotential:
             inner = np.flatnonzero(np.asarray(abs(self.free[across]).sum(axis=0)).ravel() == 0.0)
         return K[inner][:, inner].tocsc(), inner
 
+    def part(self, shape: Array, way: Array) -> str:
+        return named_part(self.structure, shape, way, self.loaded.rest.shape)
+
     def moved(self, shape: Array, step: Array) -> Array:
         way = np.asarray(self.free @ step)
         if self.structure.sheaves is not None and not self.structure.is_linearised:
@@ -496,10 +497,4 @@ class SystemPotential:
 
     def approaches(self, start: Array, way: Way) -> Iterator[Array]:
         """Shapes of softer lines that become stiffer, see `softening.py`."""
-        soft, near = copy(self), start
-        soft.approaches = lambda *_: iter(())  # type: ignore[method-assign]
-        for rows in softer_laws(self.structure, float(np.abs(self.loaded.weight).sum())):
-            soft.structure = self.structure._replace(runs=self.structure.runs._replace(law=rows))
-            near = minimum.settle(soft, near, way)
-        if near is not start:
-            yield near
+        return stiffened(self, start, float(np.abs(self.loaded.weight).sum()), way)

@@ -15,6 +15,7 @@ from ropewalk.system.assembling.assembly import contacts_of, refuse_beyond
 from ropewalk.system.contact.contact_record import ON
 from ropewalk.system.elements.compliance import AT_REST
 from ropewalk.system.elements.structure import SystemState
+from ropewalk.system.equilibrium.lengths import off_tension
 from ropewalk.system.equilibrium.rest import at_rest, settled_in_wind
 from ropewalk.system.equilibrium.rubbing import RubbingPotential, is_rubbing
 from ropewalk.system.equilibrium.slow_hysteresis import LaggingPotential, is_lagging, settle_after
@@ -59,7 +60,7 @@ class SystemStatics(SlowMotion[_RestShape]):
         assembled = replace(assembled, structure=structure, near=rest)
         self._carried = Carried(*contacts_of(scenario, loading, structure, assembled.on))
         refuse_beyond(scenario, loading, self._carried.contacts, structure)
-        run_info.warnings += joined_beside(scenario, assembled)
+        run_info.warnings += [*joined_beside(scenario, assembled), *off_tension(scenario, assembled)]
         self._carried.contacts["margin"] = 0.0
         self._scenario, self._run_info, self._structure, self._loading = scenario, run_info, structure, loading
         self._loaded = LoadedStructure(structure, rest, self._carried)
