@@ -69,12 +69,10 @@ def draw(rng: Random, kind: str = "") -> Tree:
 
 def _run(rng: Random, kind: str, s: Drawn) -> Tree:
     if kind == "quasistatic":
-        return {"kind": kind, "positions": 4}
+        return {"kind": kind, "positions": 5}
     if kind == "equilibrium":
         return {"kind": kind}
     run: Tree = {"kind": "linear" if kind == "linear" else "dynamic", "until": s.until, "every": s.until / 8.0}
-    if run["kind"] == "dynamic":
-        run["step"] = s.until / 200.0
     if kind == "linearised":
         run["geometry"] = "linearised"
     if kind in ("dynamic", "linearised") and rng.random() < 0.25:

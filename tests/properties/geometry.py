@@ -72,7 +72,8 @@ def mirror(tree: Tree, rng: Random) -> Sides:
 
 def translation(tree: Tree, rng: Random) -> Sides:
     """Move all supports, joints and sheaves."""
-    by = (rng.uniform(-90, 90), rng.uniform(-50, 50) if _is_spatial(tree) else 0.0, rng.uniform(-30, 30))
+    aside = rng.uniform(-50, 50) if _is_spatial(tree) and turns(tree) else 0.0
+    by = (rng.uniform(-90, 90), aside, rng.uniform(-30, 30))
     return Sides(run(tree), with_fields(run(moved(tree, by)), lambda f: transformed(f, np.eye(3), by)))
 
 
@@ -212,7 +213,7 @@ def overhead_from_the_other_end(tree: Tree, rng: Random) -> Sides:
         return transformed(flipped, np.diag([-1.0, 1.0, 1.0]), (length, 0.0, 0.0))
 
     only = ("position", "tension", "contact_position", "contact_force", "body_position")
-    return Sides(run(tree), with_fields(run(found), back), only=only)
+    return Sides(run(tree), with_fields(run(found), back), tolerance=1e-3, only=only)
 
 
 # -- Units and scaling -------------------------------------------------------------------------------------------
@@ -251,8 +252,8 @@ def scales(tree: Tree) -> bool:
 
 
 def with_steps(tree: Tree) -> Tree:
-    """Return the tree with the keys of accuracy that have a dimension, as far as the run has them."""
-    keys = {"accuracy": 1e-3, "sample": tree["run"].get("until", 0.0) / 100.0}
+    """Return the tree with the keys of a motion that have a dimension, as far as its engine has them."""
+    keys = {"accuracy": 1e-4, "sample": tree["run"].get("until", 0.0) / 100.0}
     for names in (("accuracy", "sample"), ("sample",), ("accuracy",)) if tree["run"]["kind"] == "dynamic" else ():
         found = {**tree, "run": {**tree["run"], **{name: keys[name] for name in names}}}
         try:

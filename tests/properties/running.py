@@ -87,7 +87,7 @@ def fields_of(result: xr.Dataset) -> Fields:
     for name, owner in OWNERS.items():
         values, owners = result[name].values, result[owner].values
         if name in WITH_AXIS and values.shape[-1] == 2:
-            values = np.stack([values[..., 0], np.zeros(values.shape[:-1]), values[..., 1]], axis=-1)
+            values = np.stack([values[..., 0], 0.0 * values[..., 0], values[..., 1]], axis=-1)
         for own in dict.fromkeys(owners.tolist()):
             here = values[:, owners == own]
             found[name, own] = here if name in ("position", "tension") else here[:, 0]
@@ -96,6 +96,8 @@ def fields_of(result: xr.Dataset) -> Fields:
         found["xi", own] = xi[lines == own]
     for k, own in enumerate(result["load"].values.tolist()):
         found["contact_xi", own] = result["contact_xi"].values[:, k]
+    if leading == "load_path" and result.sizes[leading] > 1:  # at last a load is exactly at an end of its line
+        return {key: values if key[0] == "xi" else values[:-1] for key, values in found.items()}
     return found
 
 

@@ -140,9 +140,9 @@ def refined(tree: Tree, factor: int = 2) -> Tree:
         net["cells"] = [factor * n for n in net["cells"]]
     for wires in found.get("overhead_lines", {}).values():
         wires["element"] = wires["element"] / factor
-    for key in ("every", "step", "accuracy"):
+    for key, power in (("every", 1), ("accuracy", 2)):
         if key in found["run"]:
-            found["run"][key] /= factor
+            found["run"][key] /= factor**power
     return found
 
 

@@ -147,6 +147,8 @@ def addition(tree: Tree, rng: Random) -> tuple[str, Tree]:
         names = ["rope far away", "stiff line far away"]
     if not tree["loads"] or tree["run"]["kind"] != "dynamic":
         names = [name for name in names if not name.startswith("static")]
+    if tree["run"]["kind"] == "quasistatic":
+        names.remove("force of 0 N") if "force of 0 N" in names else None
     name = rng.choice(names)
     return name, ADDITIONS[name](tree)
 
@@ -154,7 +156,19 @@ def addition(tree: Tree, rng: Random) -> tuple[str, Tree]:
 def nothing_added(tree: Tree, rng: Random) -> Sides:
     """Add something that has no effect."""
     name, more = addition(tree, rng)
-    return Sides(run(tree), run(more), tolerance=1e-4, only=comparable(tree), note=name)
+    left = run(tree)
+
+    def back(fields: Fields) -> Fields:
+        """Leave out the nodes that a support adds."""
+        found = dict(fields)
+        for (variable, own), values in left.fields.items():
+            if variable == "xi" and (other := fields.get(("xi", own))) is not None and len(other) > len(values):
+                nodes = [int(np.abs(other - xi).argmin()) for xi in values]
+                found["position", own] = fields["position", own][:, nodes]
+                found["tension", own] = left.fields["tension", own]
+        return found
+
+    return Sides(left, with_fields(run(more), back), tolerance=1e-4, only=comparable(tree), note=name)
 
 
 # -- Bodies ------------------------------------------------------------------------------------------------------
