@@ -25,7 +25,6 @@ from ropewalk.solve import capabilities as ropes
 from ropewalk.system import capabilities as system
 from ropewalk.wires import capabilities as wires
 
-
 _ROUNDING = 1e-9
 """Of the distance between the ends of a line: a length within it is that distance, wherever the line is located."""
 

@@ -1,4 +1,4 @@
-"""Expected failures: relations that are violated today, with the case, the scenarios concerned and the stage that mends it.
+"""Expected failures: relations that are violated today, with case, scenarios concerned, and stage that mends them.
 
 A stage is one of the plan for one engine: 2 lines, forces, equilibria of lines, linear kinds; 3 bodies; 4 nets,
 sheaves, saddles; 5 overhead lines. An entry that no run meets any more is to be struck out.

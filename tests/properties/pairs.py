@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from random import Random
 
 from .draw import draw
-from .geometry import with_steps
 from .known import known
 from .relations import BY_NAME, RELATIONS, Relation
 from .running import read
@@ -49,7 +48,7 @@ def scenario(seed: int, number: int) -> Tree:
         except Exception:
             if rng.random() > REFUSED_SHARE:
                 continue
-        return with_steps(tree)
+        return tree
 
 
 def relations(tree: Tree, seed: int, number: int) -> list[Relation]:

@@ -9,10 +9,9 @@ import numpy as np
 from .compare import MODEST, Sides
 from .geometry import with_fields
 from .running import DONE, Fields, Outcome, length_of, run
-from .trees import Tree, copied
+from .trees import Tree, copied, loads_of, measures
 
 GIVEN = ("force", "axles", "footsteps")
-VERTICAL = {"kind": "force", "contact": "clamped"}
 
 
 def _with_loads(tree: Tree, loads: Tree) -> Tree:
@@ -27,17 +26,16 @@ def _is_linear(tree: Tree) -> bool:
 
 def superposes(tree: Tree) -> bool:
     """Whether responses add up: of given forces in linear kinds."""
-    loads = tree["loads"].values()
-    clamped = all(load.get("contact", "clamped") == "clamped" for load in loads)
-    measured = all(load.get("travel", {}).get("measured", "material") == "material" for load in loads)
-    return _is_linear(tree) and bool(loads) and clamped and measured and all(load["kind"] in GIVEN for load in loads)
+    loads = loads_of(tree)
+    given = all(load["kind"] in GIVEN and "contact" not in load for load in loads)
+    return _is_linear(tree) and bool(loads) and given and measures(tree) <= {"material"}
 
 
 def superposition(tree: Tree, rng: Random) -> Sides:
     """Add the responses to the loads one by one; of one load, take that to twice its size."""
     none, loads = run(_with_loads(tree, {})), tree["loads"]
     if len(loads) == 1:
-        (name, load), = loads.items()
+        ((name, load),) = loads.items()
         twice = copied(load)
         for key in ("force", "forces"):
             if key in twice:
@@ -100,33 +98,32 @@ def reciprocity(tree: Tree, rng: Random) -> Sides:
 # -- Limits ------------------------------------------------------------------------------------------------------
 
 
+def _is_plain(tree: Tree) -> bool:
+    """Whether loads are clamped forces on lines, by material coordinate."""
+    loads = loads_of(tree)
+    clamped = all(load["kind"] == "force" and "contact" not in load for load in loads)
+    return bool(loads) and clamped and measures(tree) <= {"material"} and bool(tree.get("lines"))
+
+
 def moves_slowly(tree: Tree) -> bool:
-    """Whether a force alone travels on lines that stand still."""
-    shaken = any(line.get(end, {}).get("kind") == "moving" for line in tree.get("lines", {}).values()
-                 for end in ("start_support", "end_support"))  # fmt: skip
-    loads = list(tree["loads"].values())
-    plain = all(load["kind"] == "force" and load["travel"].get("measured", "material") == "material" for load in loads)
-    refuse = all(load.get("travel", {}).get("at_end", "refuse") == "refuse" for load in loads)
-    geometry = tree["run"].get("geometry", "nonlinear") == "nonlinear"
-    return tree["run"]["kind"] == "dynamic" and geometry and len(loads) == 1 and plain and refuse and not shaken
+    """Whether one force travels on lines whose supports stand still."""
+    ends = [line.get(end, {}) for line in tree.get("lines", {}).values() for end in ("start_support", "end_support")]
+    still = not any(end.get("kind") == "moving" for end in ends)
+    refuse = all("at_end" not in load["travel"] for load in loads_of(tree)) if _is_plain(tree) else False
+    geometry = "geometry" not in tree["run"] and tree["run"]["kind"] == "dynamic"
+    return geometry and _is_plain(tree) and len(tree["loads"]) == 1 and still and refuse
 
 
 def slow_motion(tree: Tree, rng: Random) -> Sides:
     """Let a load move slowly from equilibrium: its motion is a row of equilibria."""
     found = copied(tree)
-    (load,) = found["loads"].values()
-    run_keys = found["run"]
-    surface = bool(tree.get("nets"))
-    until = run_keys["until"] * (1.0 if surface else 2.0)
-    load["travel"] |= {"speed": 0.005 * (3.0 if surface else 20.0) / until}
-    slow = {**found, "run": {**run_keys, "until": until, "every": until / 8, "start": {"with_loads": True}}}
-    still = {**found, "run": {"kind": "quasistatic", "positions": 2}}
-    still["loads"] = {name: {**own, "travel": {**own["travel"], "at_end": "stay"}} for name, own in found["loads"].items()}
-    place = load["travel"]["from"] + load["travel"]["speed"] * until
-    still = _at(found, [place])
-    last = with_fields(run(slow), lambda f: {key: values[-1:] for key, values in f.items()})
+    (load,) = loads_of(found)
+    until = 2.0 * tree["run"]["until"]
+    load["travel"]["speed"] = 0.1 / until
+    found["run"] |= {"until": until, "every": until / 8, "start": {"with_loads": True}}
+    last = with_fields(run(found), lambda f: {key: values[-1:] for key, values in f.items()})
     only = ("position", "tension", "reaction", "contact_position")
-    return Sides(run(still), last, tolerance=MODEST, only=only, path=False)
+    return Sides(run(_at(found, [load["travel"]["from"] + 0.1])), last, tolerance=MODEST, only=only, path=False)
 
 
 def _at(tree: Tree, places: list[float]) -> Tree:
@@ -139,13 +136,10 @@ def _at(tree: Tree, places: list[float]) -> Tree:
 
 
 def is_quasistatic(tree: Tree) -> bool:
-    """Whether loads travel at one speed in a quasi-static run."""
-    loads = tree["loads"].values()
-    plain = all(isinstance(load.get("travel", {}).get("speed"), float) for load in loads)
-    measured = all(load["travel"].get("measured", "material") == "material" for load in loads) if plain else False
-    stays = any(load["travel"].get("at_end") in ("stay", "leave") for load in loads) if plain else False
-    axles = any(load["kind"] == "axles" for load in loads)
-    return tree["run"]["kind"] == "quasistatic" and plain and measured and not stays and not axles
+    """Whether a run is quasi-static, on lines."""
+    axles = any(load["kind"] == "axles" for load in loads_of(tree))
+    quasistatic = tree["run"]["kind"] == "quasistatic" and bool(tree.get("lines"))
+    return quasistatic and measures(tree) <= {"material"} and not axles
 
 
 def equilibria(tree: Tree, rng: Random) -> Sides | None:
@@ -155,29 +149,26 @@ def equilibria(tree: Tree, rng: Random) -> Sides | None:
         return None
     frame = rng.choice([0, 1, 2])
     places = [float(slowly.fields["contact_xi", name][frame]) for name in tree["loads"]]
-    if tree.get("nets") or not np.isfinite(places).all():
+    if not np.isfinite(places).all():
         return None
     left = with_fields(slowly, lambda f: {key: v[frame : frame + 1] for key, v in f.items()})
     return Sides(left, run(_at(tree, places)), path=False)
 
 
 def is_small(tree: Tree) -> bool:
-    """Whether forces travel on straight, level, plain lines."""
+    """Whether forces travel on one straight, level, plain line."""
     lines = list(tree.get("lines", {}).values())
-    if len(lines) != 1 or tree["run"]["kind"] != "dynamic" or "start" in tree["run"] or not tree["loads"]:
+    if len(lines) != 1 or tree["run"]["kind"] != "dynamic" or "start" in tree["run"] or not _is_plain(tree):
         return False
     level = lines[0]["start"][-1] == lines[0]["end"][-1]
-    straight = "tension" in lines[0] or "foundation" in lines[0] or lines[0]["mass"] > 500
-    free = not {"start_support", "end_support", "supports", "sheaves"} & set(lines[0])
-    plain = all(load["kind"] == "force" and load.get("contact", "clamped") == "clamped" for load in tree["loads"].values())
-    measured = all(load.get("travel", {}).get("measured", "material") == "material" for load in tree["loads"].values())
-    return level and straight and free and plain and measured
+    straight = "tension" in lines[0] or lines[0]["mass"] > 500
+    return level and straight and not {"start_support", "end_support", "supports", "sheaves"} & set(lines[0])
 
 
 def small_amplitude(tree: Tree, rng: Random) -> Sides:
     """Let small vertical forces act without gravity: the linear theory is the limit."""
     found = {**copied(tree), "gravity": 0.0}
-    for load in found["loads"].values():
+    for load in loads_of(found):
         load["force"] = [0.0] * (len(load["force"]) - 1) + [1e-3 * load["force"][-1]]
     (line,) = found["lines"].values()
     line.pop("axial_damping", None)
@@ -216,13 +207,13 @@ def energy(tree: Tree, rng: Random) -> Sides | None:
 
 
 def is_static(tree: Tree) -> bool:
-    """Whether loads and weights are borne by supports, at rest."""
+    """Whether supports alone bear loads and weights, at rest."""
     lines = tree.get("lines", {}).values()
-    free = not any({"foundation", "segments"} & set(line) for line in lines)
-    moving = any(load["kind"] not in ("force", "mass") for load in tree["loads"].values())
-    guided = any(line.get(end, {}).get("mass") for line in lines for end in ("start_support", "end_support"))
-    plain = not tree.get("joints") and not tree.get("hangers") and not moving and not guided
-    return tree["run"]["kind"] in ("equilibrium", "quasistatic") and bool(lines) and free and plain
+    given = all(load["kind"] in ("force", "mass") for load in loads_of(tree))
+    extra = any({"foundation", "segments"} & set(line) for line in lines)
+    heavy = any(line.get(end, {}).get("mass") for line in lines for end in ("start_support", "end_support"))
+    static = tree["run"]["kind"] in ("equilibrium", "quasistatic") and bool(lines)
+    return static and given and not (extra or heavy or tree.get("joints") or tree.get("hangers"))
 
 
 def support_forces(tree: Tree, rng: Random) -> Sides | None:

@@ -51,7 +51,6 @@ RELATIONS = (
     Relation("mirror and reversal", 2, geometry.goes_other_way, geometry.other_way),
     Relation("translation", 2, geometry.in_plan, geometry.translation),
     Relation("rotation about the vertical", 3, geometry.turns, geometry.rotation),
-    Relation("plane and space", 1, geometry.turns, geometry.plane_in_space),
     Relation("overhead line from the other end", 4, geometry.has_overhead_line, geometry.overhead_from_the_other_end),
     Relation("units", 2, tools.always, geometry.units),
     Relation("scaling", 2, geometry.scales, geometry.scaling),
@@ -70,6 +69,6 @@ RELATIONS = (
     Relation("resumed", 2, tools.is_motion, tools.resumed),
     Relation("output interval", 2, tools.has_instants, tools.more_output),
     Relation("command line", 1, tools.always, tools.command_line),
-    Relation("sweep of one", 1, tools.always, tools.sweep_of_one),
+    Relation("sweep of one", 1, tools.keeps_all_frames, tools.sweep_of_one),
 )
 BY_NAME = {relation.name: relation for relation in RELATIONS}

@@ -55,7 +55,7 @@ def attempt(compute: Callable[[], xr.Dataset]) -> Outcome:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            result = compute()
+            return _ended(compute())
     except ScenarioError as error:
         return Outcome(REFUSED, text="; ".join(f"{problem.key}: {problem.wrong}" for problem in error.problems))
     except RopewalkError as error:
@@ -63,6 +63,9 @@ def attempt(compute: Callable[[], xr.Dataset]) -> Outcome:
     except Exception as error:  # a crash is reported as a violation
         frame = traceback.extract_tb(error.__traceback__)[-1]
         return Outcome(CRASH, text=f"{type(error).__name__}: {error} ({Path(frame.filename).name}:{frame.lineno})")
+
+
+def _ended(result: xr.Dataset) -> Outcome:
     if result.attrs["outcome"] not in ("completed", "doubtful"):
         return Outcome(STOPPED, fields_of(result), f"{result.attrs['outcome']}: {result.attrs['advice']}")
     return Outcome(DONE, fields_of(result), doubts=result.attrs["doubts"])

@@ -1,4 +1,4 @@
-"""Relations between ways to compute one scenario: resumed, with other output instants, from the command line, in a sweep."""
+"""Relations between ways to compute a scenario: resumed, with other output instants, by the command, in a sweep."""
 
 from __future__ import annotations
 
@@ -37,6 +37,11 @@ def has_instants(tree: Tree) -> bool:
 def always(tree: Tree) -> bool:
     """Whether the run can be computed by any tool."""
     return True
+
+
+def keeps_all_frames(tree: Tree) -> bool:
+    """Whether fields hold all frames of the result."""
+    return tree["run"]["kind"] != "quasistatic"
 
 
 def resumed(tree: Tree, rng: Random) -> Sides:

@@ -9,7 +9,7 @@ import numpy as np
 from .compare import MODEST, PLACES, Sides, comparable
 from .geometry import with_fields
 from .running import DONE, Fields, length_of, run
-from .trees import Tree, copied
+from .trees import Tree, copied, measures
 
 APART = 1e-7
 """Of the length of the line, by which two halves of a load are apart: loads at one place are refused."""
@@ -55,9 +55,8 @@ def splits(tree: Tree) -> bool:
     if len(tree.get("lines", {})) != 1 or tree["run"]["kind"] == "linear":
         return False
     (line,) = tree["lines"].values()
-    measures = {load.get("travel", {}).get("measured") for load in tree["loads"].values()}
     extra = {"bending_stiffness", "supports", "sheaves", "segments", "foundation"} & set(line)
-    return not extra and measures <= {None, "material"}
+    return not extra and measures(tree) <= {"material"}
 
 
 def joined_lines(tree: Tree, rng: Random) -> Sides | None:
@@ -113,7 +112,7 @@ def _no_wind(tree: Tree) -> Tree:
 
 def _no_spring(tree: Tree) -> Tree:
     name = "rope"
-    support = {"kind": "elastic", "at": 0.5 * length_of(tree, name), "stiffness": 0.0}
+    support = {"kind": "elastic", "at": 0.625 * length_of(tree, name), "stiffness": 0.0}
     line = tree["lines"][name]
     return {**tree, "lines": {**tree["lines"], name: {**line, "supports": {**line.get("supports", {}), "no": support}}}}
 
@@ -200,8 +199,12 @@ def other_body(tree: Tree, rng: Random) -> Sides:
         mine = {name + new: name + old for new, old in owners.items()}
         return {(variable, mine.get(owner, owner)): values for (variable, owner), values in fields.items()}
 
-    right = with_fields(run(found), back)
-    return Sides(run(tree), right, tolerance=1e-5 if exact else MODEST, only=PLACES)
+    def heights(fields: Fields) -> Fields:
+        """Leave out where bodies are along the line: matrices do not say it."""
+        return {key: v * [0.0, 0.0, 1.0] if key[0] == "body_position" else v for key, v in fields.items()}
+
+    left, right = with_fields(run(tree), heights), with_fields(run(found), lambda f: heights(back(f)))
+    return Sides(left, right, tolerance=1e-5 if exact else MODEST, only=PLACES)
 
 
 def _as_vehicle(load: Tree) -> tuple[Tree, dict[str, str]]:
