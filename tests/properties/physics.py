@@ -37,11 +37,9 @@ def superposition(tree: Tree, rng: Random) -> Sides:
     if len(loads) == 1:
         ((name, load),) = loads.items()
         twice = copied(load)
-        for key in ("force", "forces"):
-            if key in twice:
-                twice[key] = [2.0 * value for value in twice[key]]
-        if "mass" in twice:
-            twice["mass"] *= 2.0
+        for key in {"force", "forces", "mass"} & set(twice):
+            own = twice[key]
+            twice[key] = [2.0 * value for value in own] if isinstance(own, list) else 2.0 * own
         outcomes, whole = [run(tree), run(tree)], run(_with_loads(tree, {name: twice}))
     else:
         outcomes, whole = [run(_with_loads(tree, {name: load})) for name, load in loads.items()], run(tree)

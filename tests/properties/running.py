@@ -107,10 +107,10 @@ def fields_of(result: xr.Dataset) -> Fields:
 def length_of(tree: Tree, line: str) -> float:
     """Return the unstrained length of a line, m: as given, or as found from its tension."""
     given = tree["lines"][line].get("length")
-    if given is not None:
-        return float(given)
-    alone = {**tree, "loads": {}, "run": {"kind": "equilibrium"}}
-    return float(run(alone).fields["xi", line][-1])
+    if given is None:  # linearised runs count along the chord
+        found = run(tree).fields or run({**tree, "loads": {}, "run": {"kind": "equilibrium"}}).fields
+        given = found["xi", line][-1]
+    return float(given)
 
 
 def seconds() -> float:

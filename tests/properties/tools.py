@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .compare import MODEST, Sides
+from .compare import FORCES, MODEST, PLACES, Sides
 from .geometry import with_fields
 from .running import DONE, REFUSED, STOPPED, Outcome, attempt, read, run
-from .trees import Tree
+from .trees import Tree, loads_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -66,7 +66,9 @@ def resumed(tree: Tree, rng: Random) -> Sides:
 def more_output(tree: Tree, rng: Random) -> Sides:
     """Keep three times as many instants."""
     finer = {**tree, "run": {**tree["run"], "every": tree["run"]["every"] / 3}}
-    only = ("position", "tension", "reaction", "contact_position", "contact_force", "body_position")
+    stops = any(load.get("travel", {}).get("at_end") == "stay" for load in loads_of(tree))  # with a blow
+    quiet = "geometry" in tree["run"] or tree["run"]["kind"] == "linear"
+    only = (*PLACES, *FORCES) if quiet and not stops else PLACES
     right = with_fields(run(finer), lambda f: {key: values[::3] for key, values in f.items()})
     return Sides(run(tree), right, tolerance=MODEST, only=only)
 

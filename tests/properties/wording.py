@@ -192,7 +192,7 @@ def other_body(tree: Tree, rng: Random) -> Sides:
     found = copied(tree)
     load = found["loads"][name]
     exact = load["kind"] == "vehicle"
-    own, owners = (_as_matrices if exact else _as_vehicle)(load)
+    own, owners = (_as_matrices if exact else _as_vehicle)(load, tree["gravity"])
     found["loads"][name] = own | {key: load[key] for key in ("on", "travel")}
 
     def back(fields: Fields) -> Fields:
@@ -207,7 +207,7 @@ def other_body(tree: Tree, rng: Random) -> Sides:
     return Sides(left, right, tolerance=1e-5 if exact else MODEST, only=PLACES)
 
 
-def _as_vehicle(load: Tree) -> tuple[Tree, dict[str, str]]:
+def _as_vehicle(load: Tree, gravity: float) -> tuple[Tree, dict[str, str]]:
     """A mass or an oscillator as a vehicle of one wheel, and the owners of its fields."""
     vehicle: Tree = {"kind": "vehicle", "wheels": {"w": {"mass": load.get("wheel_mass", load["mass"])}}}
     if load["kind"] == "oscillator":
@@ -216,7 +216,7 @@ def _as_vehicle(load: Tree) -> tuple[Tree, dict[str, str]]:
     return vehicle, {".w": "", ".m": ""}
 
 
-def _as_matrices(load: Tree) -> tuple[Tree, dict[str, str]]:
+def _as_matrices(load: Tree, gravity: float) -> tuple[Tree, dict[str, str]]:
     """A vehicle of one box on two wheels by its matrices, and the owners of its fields."""
     box = load["bodies"]["box"]
     wheels = load["wheels"]
@@ -230,6 +230,6 @@ def _as_matrices(load: Tree) -> tuple[Tree, dict[str, str]]:
         damping += spring["damping"] * np.outer(row, row)
     return {
         "kind": "matrices", "coordinates": names, "mass": mass.tolist(), "stiffness": stiffness.tolist(),
-        "damping": damping.tolist(), "weight": [9.81 * m if k != 1 else 0.0 for k, m in enumerate(np.diag(mass))],
+        "damping": damping.tolist(), "weight": [gravity * m if k != 1 else 0.0 for k, m in enumerate(np.diag(mass))],
         "wheels": {name: {"at": wheel["at"], "coordinate": name} for name, wheel in wheels.items()},
     }, {f".{name}": f".{name}" for name in ("box", *wheels)}  # fmt: skip

@@ -82,6 +82,7 @@ def check(parts: Parts) -> list[Finding]:
             _hoists,
             _counterweights,
             _path,
+            _static_part,
             _rest,
             _size,
             hooks.unsupported,
@@ -205,6 +206,17 @@ def _counterweights(parts: Parts) -> Iterator[Finding]:
 def _flat(vector: Sequence[float]) -> tuple[float, float, float]:
     """A direction in space: those of two numbers lie in the x-z plane."""
     return vector[0], vector[1] if len(vector) == 3 else 0.0, vector[-1]
+
+
+def _static_part(parts: Parts) -> Iterator[Finding]:
+    """Find loads that stand still, of whose crossing there is no static part."""
+    if parts.outputs.impact and isinstance(parts.run, Dynamic | Linear) and parts.loads:
+        for found in _path(replace(parts, run=Quasistatic())):
+            where, remedy = ".".join(map(str, found.path)), "let the load move, or leave impact out"
+            yield Finding(
+                ("outputs", "impact"), f"there is no static part: {where}: {found.wrong}", found.given, remedy
+            )
+            return
 
 
 def _path(parts: Parts) -> Iterator[Finding]:
