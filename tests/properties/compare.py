@@ -65,11 +65,6 @@ class Difference:
     size: float
     what: str = ""
 
-    @property
-    def is_infinite(self) -> bool:
-        """Whether a finer mesh cannot help."""
-        return not np.isfinite(self.size)
-
 
 def difference(sides: Sides) -> Difference:
     """Return the largest difference, relative to the size of its variable and in units of the tolerance.

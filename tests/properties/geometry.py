@@ -12,21 +12,8 @@ import numpy as np
 
 from .compare import Sides, comparable
 from .running import WITH_AXIS, Fields, Outcome, length_of, read, run
-from .trees import (
-    Tree,
-    copied,
-    dimension,
-    get,
-    in_space,
-    loads_of,
-    measures,
-    mirrored,
-    moved,
-    numbers,
-    put,
-    turned,
-    unit_of,
-)  # fmt: skip
+from .trees import Tree, copied, dimension, get, in_space, loads_of, measures, mirrored, moved, numbers, put, turned
+from .trees import unit_of as unit_at
 
 Map = Callable[[Fields], Fields]
 
@@ -50,14 +37,9 @@ def transformed(fields: Fields, matrix: Any, origin: Any = (0.0, 0.0, 0.0)) -> F
 # -- Mirror, translation, rotation -------------------------------------------------------------------------------
 
 
-def in_plan(tree: Tree) -> bool:
-    """Whether the scenario is of lines and nets that may lie anywhere."""
-    return not tree.get("overhead_lines")
-
-
 def mirrors(tree: Tree) -> bool:
     """Whether the scenario may run towards -x."""
-    return in_plan(tree) and "horizontal" not in measures(tree)
+    return not tree.get("overhead_lines") and "horizontal" not in measures(tree)
 
 
 def mirror(tree: Tree, rng: Random) -> Sides:
@@ -160,34 +142,6 @@ def _line_back(fields: Fields, tree: Tree, name: str) -> Fields:
     return found
 
 
-def other_way(tree: Tree, rng: Random) -> Sides:
-    """Mirror, and write all lines from their other ends, so that lines run towards +x as before."""
-    found = tree
-    for name in tree["lines"]:
-        found = reversed_line(found, name)
-    for load in loads_of(found):
-        if load.get("travel", {}).get("measured") == "horizontal":
-            line = tree["lines"][load["on"]]
-            load["travel"]["from"] += abs(line["end"][0] - line["start"][0]) - length_of(tree, load["on"])
-
-    def back(fields: Fields) -> Fields:
-        for name in tree["lines"]:
-            fields = _line_back(fields, tree, name)
-        return transformed(fields, np.diag([-1.0, 1.0, 1.0]))
-
-    return Sides(run(tree), with_fields(run(mirrored(found)), back))
-
-
-def goes_other_way(tree: Tree) -> bool:
-    """Whether a load measures its way along x, for which lines run towards +x."""
-    return bool(tree.get("lines")) and "horizontal" in measures(tree) <= {"horizontal", "material"}
-
-
-def has_overhead_line(tree: Tree) -> bool:
-    """Whether loads travel on an overhead line."""
-    return bool(tree.get("overhead_lines")) and bool(tree["loads"])
-
-
 def overhead_from_the_other_end(tree: Tree, rng: Random) -> Sides:
     """Let loads pass a symmetric overhead line from its other end."""
     spans = tree["overhead_lines"]["section"]["spans"]
@@ -229,14 +183,9 @@ def units(tree: Tree, rng: Random) -> Sides:
     """Write every number with another unit."""
     found = copied(tree)
     for path, value in list(numbers(tree)):
-        if (unit := unit_of(path)) and not _is_matrix(tree, path) and path[0] != "nets":
+        if (unit := unit_at(path)) and not _is_matrix(tree, path) and path[0] != "nets":
             put(found, path, _in_other_units(value, unit, rng))
     return Sides(run(tree), run(found))
-
-
-def scales(tree: Tree) -> bool:
-    """Whether every number with a dimension is written down: overhead lines and pantographs have defaults."""
-    return in_plan(tree) and not tree.get("nets")
 
 
 def with_steps(tree: Tree) -> Tree:
@@ -262,7 +211,7 @@ def scaling(tree: Tree, rng: Random) -> Sides:
 
     found = copied(base)
     for path, value in list(numbers(base)):
-        if unit := unit_of(path):
+        if unit := unit_at(path):
             put(found, path, value * factor(unit))
     of = {"tension": "N", "reaction": "N", "contact_force": "N", "energy": "N*m", "time": "s"}
 

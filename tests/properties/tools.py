@@ -24,26 +24,6 @@ EXACT = 1e-9
 """A run that is resumed takes the same steps."""
 
 
-def is_motion(tree: Tree) -> bool:
-    """Whether the run can be resumed."""
-    return tree["run"]["kind"] == "dynamic"
-
-
-def has_instants(tree: Tree) -> bool:
-    """Whether the run has output instants."""
-    return tree["run"]["kind"] in ("dynamic", "linear")
-
-
-def always(tree: Tree) -> bool:
-    """Whether the run can be computed by any tool."""
-    return True
-
-
-def keeps_all_frames(tree: Tree) -> bool:
-    """Whether fields hold all frames of the result."""
-    return tree["run"]["kind"] != "quasistatic"
-
-
 def resumed(tree: Tree, rng: Random) -> Sides:
     """Run to half the time, and resume."""
     from ropewalk.resuming import resume

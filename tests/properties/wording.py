@@ -18,18 +18,14 @@ APART = 1e-7
 # -- Halves ------------------------------------------------------------------------------------------------------
 
 
-def _forces(tree: Tree) -> list[str]:
+def plain_forces(tree: Tree) -> list[str]:
+    """Return the names of forces that no friction holds."""
     return [name for name, load in tree["loads"].items() if load["kind"] == "force" and "contact" not in load]
-
-
-def has_force(tree: Tree) -> bool:
-    """Whether a load is a force."""
-    return bool(_forces(tree))
 
 
 def halves(tree: Tree, rng: Random) -> Sides:
     """Replace a force by two of half its size at the same place."""
-    name = rng.choice(_forces(tree))
+    name = rng.choice(plain_forces(tree))
     found = copied(tree)
     load = found["loads"][name]
     load["force"] = [0.5 * component for component in load["force"]]
