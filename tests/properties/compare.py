@@ -25,6 +25,9 @@ LEAST_FORCE = 1.0
 EVENTS = 1
 """Instants at which a contact may be on the line on one side only: rounding decides about one that comes just then."""
 
+TWO_ENGINES = 1e-3
+"""Relative difference of the time steps of two engines, in places."""
+
 MODEST = 0.02
 """Relative difference between two models that agree in the limit (slow, small, another kind of body)."""
 

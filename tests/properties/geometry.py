@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from .compare import Sides, comparable
+from .compare import TWO_ENGINES, Sides, comparable
 from .running import WITH_AXIS, Fields, Outcome, length_of, read, run
 from .trees import Tree, copied, dimension, get, in_space, loads_of, measures, mirrored, moved, numbers, put, turned
 from .trees import unit_of as unit_at
@@ -73,7 +73,7 @@ def rotation(tree: Tree, rng: Random) -> Sides:
     back = [[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]
     right = with_fields(run(turned(tree, angle)), lambda f: transformed(f, back))
     if not _is_spatial(tree) and rng.random() < 0.5:  # another engine may compute what leaves the plane
-        return Sides(run(tree), right, tolerance=1e-4, only=comparable(tree))
+        return Sides(run(tree), right, tolerance=TWO_ENGINES, only=comparable(tree))
     return Sides(run(in_space(tree)), right)
 
 

@@ -23,7 +23,19 @@ class Known:
     concerns: Callable[[Tree, str, Difference], bool]  # scenario, relation, difference
 
 
-KNOWN: tuple[Known, ...] = ()
+def _is_refused(found: Difference) -> bool:
+    """Whether one side is refused as not implemented."""
+    return found.what.startswith(("done and refused", "refused and done")) and "is not implemented" in found.what
+
+
+def _changes_engine(tree: Tree, relation: str, found: Difference) -> bool:
+    """Something far away, a joint or a third dimension lets another engine compute the lines, which supports less."""
+    return relation in ("nothing added", "joined lines", "rotation about the vertical") and _is_refused(found)
+
+
+KNOWN: tuple[Known, ...] = (
+    Known("not-implemented-elsewhere", 2, "engines differ in what they support", _changes_engine),
+)
 
 
 def known(tree: Tree, relation: str, found: Difference) -> str:

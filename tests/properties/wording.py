@@ -6,7 +6,7 @@ from random import Random
 
 import numpy as np
 
-from .compare import MODEST, PLACES, Sides, comparable
+from .compare import MODEST, PLACES, TWO_ENGINES, Sides, comparable
 from .geometry import with_fields
 from .running import DONE, Fields, length_of, run
 from .trees import Tree, copied, measures
@@ -40,7 +40,7 @@ def halves(tree: Tree, rng: Random) -> Sides:
         one["contact_force", name] = fields["contact_force", name] + fields["contact_force", "twin"]
         return one
 
-    return Sides(run(tree), with_fields(run(found), back), tolerance=1e-4, only=comparable(tree))
+    return Sides(run(tree), with_fields(run(found), back), tolerance=TWO_ENGINES, only=comparable(tree))
 
 
 # -- Joined lines ------------------------------------------------------------------------------------------------
@@ -89,7 +89,7 @@ def joined_lines(tree: Tree, rng: Random) -> Sides | None:
         one["reaction", f"{name}.end"] = fields["reaction", "rest.end"]
         return one
 
-    return Sides(left, with_fields(right, back), only=comparable(tree))
+    return Sides(left, with_fields(right, back), tolerance=TWO_ENGINES, only=comparable(tree))
 
 
 # -- Nothing added -----------------------------------------------------------------------------------------------
@@ -163,7 +163,7 @@ def nothing_added(tree: Tree, rng: Random) -> Sides:
                 found["tension", own] = left.fields["tension", own]
         return found
 
-    return Sides(left, with_fields(run(more), back), tolerance=1e-4, only=comparable(tree), note=name)
+    return Sides(left, with_fields(run(more), back), tolerance=TWO_ENGINES, only=comparable(tree), note=name)
 
 
 # -- Bodies ------------------------------------------------------------------------------------------------------
