@@ -7,6 +7,7 @@ from random import Random
 import numpy as np
 
 from .compare import MODEST, Sides, sizes
+from .draw import DOWN
 from .geometry import with_fields
 from .running import DONE, Fields, Outcome, length_of, run
 from .trees import Tree, copied, loads_of, measures
@@ -92,32 +93,33 @@ def reciprocity(tree: Tree, rng: Random) -> Sides:
 # -- Limits ------------------------------------------------------------------------------------------------------
 
 
-def _is_plain(tree: Tree) -> bool:
-    """Whether loads are clamped forces on lines, by material coordinate."""
-    loads = loads_of(tree)
-    clamped = all(load["kind"] == "force" and "contact" not in load for load in loads)
-    return bool(loads) and clamped and measures(tree) <= {"material"} and bool(tree.get("lines"))
+def _with_a_force(tree: Tree, part: float, way: float) -> tuple[Tree, Tree]:
+    """Return the tree with one vertical force on its first line, a part of its tension or weight, and this load."""
+    name, line = next(iter(tree["lines"].items()))
+    length = length_of({**tree, "loads": {}}, name)
+    size = part * (line.get("tension") or DOWN * line["mass"] * length)
+    travel = {"speed": way / tree["run"]["until"], "from": 0.3 * length}
+    force = [0.0] * (len(line["start"]) - 1) + [-size]
+    load = {"kind": "force", "on": name, "force": force, "travel": travel}
+    return {**tree, "loads": {"force": load}, "run": dict(tree["run"])}, load
 
 
 def moves_slowly(tree: Tree) -> bool:
-    """Whether one force travels on lines whose supports stand still."""
+    """Whether lines whose supports stand still are in motion."""
     ends = [line.get(end, {}) for line in tree.get("lines", {}).values() for end in ("start_support", "end_support")]
-    still = not any(end.get("kind") == "moving" for end in ends)
-    refuse = all("at_end" not in load["travel"] for load in loads_of(tree)) if _is_plain(tree) else False
-    geometry = "geometry" not in tree["run"] and tree["run"]["kind"] == "dynamic"
-    return geometry and _is_plain(tree) and len(tree["loads"]) == 1 and still and refuse
+    still = bool(ends) and not any(end.get("kind") == "moving" for end in ends)
+    return tree["run"]["kind"] == "dynamic" and "geometry" not in tree["run"] and still
 
 
 def slow_motion(tree: Tree, rng: Random) -> Sides:
     """Let a load move slowly from equilibrium: its motion is a row of equilibria."""
-    found = copied(tree)
-    (load,) = loads_of(found)
     until = 2.0 * tree["run"]["until"]
-    load["travel"]["speed"] = 0.1 / until
-    found["run"] |= {"until": until, "every": until / 8, "start": {"with_loads": True}}
+    found, load = _with_a_force({**tree, "run": {**tree["run"], "until": until}}, 0.01, 0.1)
+    found["run"] |= {"every": until / 8, "start": {"with_loads": True}}
     last = with_fields(run(found), lambda f: {key: values[-1:] for key, values in f.items()})
     only = ("position", "tension", "reaction", "contact_position")
-    return Sides(run(_at(found, [load["travel"]["from"] + 0.1])), last, tolerance=2.0 * MODEST, only=only, path=False)
+    still = _at(found, [load["travel"]["from"] + 0.1])
+    return Sides(run(still), last, tolerance=2.0 * MODEST, only=only, path=False)
 
 
 def _at(tree: Tree, places: list[float]) -> Tree:
@@ -150,9 +152,9 @@ def equilibria(tree: Tree, rng: Random) -> Sides | None:
 
 
 def is_small(tree: Tree) -> bool:
-    """Whether forces travel on one straight, level, plain line."""
+    """Whether the run is that of one straight, level, plain line."""
     lines = list(tree.get("lines", {}).values())
-    if len(lines) != 1 or tree["run"]["kind"] != "dynamic" or "start" in tree["run"] or not _is_plain(tree):
+    if len(lines) != 1 or tree["run"]["kind"] not in ("dynamic", "linear"):
         return False
     level = lines[0]["start"][-1] == lines[0]["end"][-1]
     straight = "tension" in lines[0] or lines[0]["mass"] > 500
@@ -160,13 +162,12 @@ def is_small(tree: Tree) -> bool:
 
 
 def small_amplitude(tree: Tree, rng: Random) -> Sides:
-    """Let small vertical forces act without gravity: the linear theory is the limit."""
-    found = {**copied(tree), "gravity": 0.0}
-    for load in loads_of(found):
-        load["force"] = [0.0] * (len(load["force"]) - 1) + [1e-3 * load["force"][-1]]
-    (line,) = found["lines"].values()
-    line.pop("axial_damping", None)
-    keys = {key: found["run"][key] for key in ("until", "every")}
+    """Let a small vertical force act without gravity: the linear theory is the limit."""
+    keys = {key: tree["run"][key] for key in ("until", "every")}
+    ((name, line),) = tree["lines"].items()
+    plain = {name: {key: value for key, value in line.items() if key != "axial_damping"}}
+    base = {**tree, "gravity": 0.0, "lines": plain, "run": {"kind": "dynamic", **keys}}
+    found, _ = _with_a_force(base, 1e-5, 4.0)
     left, right = run(found), run({**found, "run": {"kind": "linear", **keys}})
 
     def height(fields: Fields) -> Fields:

@@ -109,7 +109,8 @@ def length_of(tree: Tree, line: str) -> float:
     given = tree["lines"][line].get("length")
     if given is None:  # linearised runs count along the chord
         found = run(tree).fields or run({**tree, "loads": {}, "run": {"kind": "equilibrium"}}).fields
-        given = found["xi", line][-1]
+        ends = tree["lines"][line]["start"], tree["lines"][line]["end"]
+        given = found["xi", line][-1] if found else np.linalg.norm(np.subtract(*ends))
     return float(given)
 
 
