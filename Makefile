@@ -30,7 +30,7 @@ ELSEWHERE ?= --ignore-glob='tests/mechanics/test_kernel_*.py' --ignore=tests/mec
 .DELETE_ON_ERROR:
 STUDIO := src/ropewalk/studio/page
 .PHONY: docs release studio studio-packages studio-front studio-check help demo warm-up test test-elsewhere lint types figures bench peers fuzz \
-  kills kills-cluster interrupts matrix clean clean-cache
+  kills kills-cluster interrupts matrix properties clean clean-cache
 
 help:
 	@echo "make demo         set up, run examples/$(DEMO).yaml, draw out/$(DEMO).png and .gif"
@@ -45,8 +45,9 @@ help:
 	@echo "make fuzz         spoilt scenario files for SECONDS (an hour) from a SEED (0)"
 	@echo "make kills        COUNT (200) commands killed at any moment, and taken up again"
 	@echo "make kills-cluster  COUNT (200) kills of workers, scheduler and command of sweeps on a Dask cluster"
-	@echo "make interrupts COUNT (100) commands of all kinds interrupted at any moment, set-up included: how soon they end"
+	@echo "make interrupts   COUNT (100) commands of all kinds interrupted at any moment, set-up included: how soon they end"
 	@echo "make matrix       what works on what: thousands of short runs, into docs/capabilities.md"
+	@echo "make properties   PAIRS (2000) of scenarios that mechanics relates, drawn with SEEDS (1): an hour of CPU"
 	@echo "make release      wheel and sdist in dist/, both tried in fresh environments"
 	@echo "make figures      the figures of the paper, in out/figures"
 	@echo "make bench        riding against sharing, cost per node, moving bodies, and error against time beside peers (make peers installs them)"
@@ -158,6 +159,11 @@ kills-cluster: $(VENV)/.dev
 
 matrix: $(VENV)/.dev
 	@$(BIN)/python -m tests.conformance
+
+properties: $(VENV)/.dev
+	@mkdir -p out
+	@cd tests && $(abspath $(BIN))/python -m properties --pairs $(or $(PAIRS),2000) --seeds $(or $(SEEDS),1) \
+	  --json ../out/properties.json
 
 test-elsewhere: $(VENV)/.dev
 	@echo "Running as on another machine: $(ELSEWHERE)"

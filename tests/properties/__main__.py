@@ -1,4 +1,4 @@
-"""The long run: `python -m tests.properties [--pairs 2000] [--seeds 1,2] [--json FILE]`, or one pair: `--pair "1-7 mirror"`."""
+"""The long run, in the folder of tests: `python -m properties`; `--pair "1-7 mirror"` examines one pair again."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def printed(told: dict[str, Any]) -> None:
 
 def main() -> int:
     """Run, print a report, and return 1 where something is wrong that is not expected, or too much is."""
-    parser = argparse.ArgumentParser(prog="python -m tests.properties", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m properties", description=__doc__)
     parser.add_argument("--pairs", type=int, default=2000)
     parser.add_argument("--seeds", default="1")
     parser.add_argument("--workers", type=int, default=2)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from random import Random
 
+from .compare import Difference
 from .draw import draw
 from .known import known
 from .relations import BY_NAME, RELATIONS, Relation
@@ -71,7 +72,10 @@ def kind_of(tree: Tree) -> str:
 def examine(tree: Tree, relation: Relation, pair: str) -> Verdict | None:
     """Return what became of a pair, None where the relation turned out not to apply."""
     begin = time.process_time()
-    found = relation.violation(tree, pair)
+    try:
+        found = relation.violation(tree, pair)
+    except Exception as error:
+        found = Difference(float("inf"), f"the test has failed: {type(error).__name__}: {error}")
     if found is None:
         return None
     case = known(tree, relation.name, found) if found.size > 1.0 else ""

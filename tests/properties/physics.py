@@ -6,13 +6,13 @@ from random import Random
 
 import numpy as np
 
-from .compare import MODEST, Sides
+from .compare import MODEST, Sides, sizes
+from .draw import DOWN
 from .geometry import with_fields
 from .running import DONE, Fields, Outcome, length_of, run
-from .trees import Tree, copied
+from .trees import Tree, copied, loads_of, measures
 
 GIVEN = ("force", "axles", "footsteps")
-VERTICAL = {"kind": "force", "contact": "clamped"}
 
 
 def _with_loads(tree: Tree, loads: Tree) -> Tree:
@@ -27,23 +27,20 @@ def _is_linear(tree: Tree) -> bool:
 
 def superposes(tree: Tree) -> bool:
     """Whether responses add up: of given forces in linear kinds."""
-    loads = tree["loads"].values()
-    clamped = all(load.get("contact", "clamped") == "clamped" for load in loads)
-    measured = all(load.get("travel", {}).get("measured", "material") == "material" for load in loads)
-    return _is_linear(tree) and bool(loads) and clamped and measured and all(load["kind"] in GIVEN for load in loads)
+    loads = loads_of(tree)
+    given = all(load["kind"] in GIVEN and "contact" not in load for load in loads)
+    return _is_linear(tree) and bool(loads) and given and measures(tree) <= {"material"}
 
 
 def superposition(tree: Tree, rng: Random) -> Sides:
     """Add the responses to the loads one by one; of one load, take that to twice its size."""
     none, loads = run(_with_loads(tree, {})), tree["loads"]
     if len(loads) == 1:
-        (name, load), = loads.items()
+        ((name, load),) = loads.items()
         twice = copied(load)
-        for key in ("force", "forces"):
-            if key in twice:
-                twice[key] = [2.0 * value for value in twice[key]]
-        if "mass" in twice:
-            twice["mass"] *= 2.0
+        for key in {"force", "forces", "mass"} & set(twice):
+            own = twice[key]
+            twice[key] = [2.0 * value for value in own] if isinstance(own, list) else 2.0 * own
         outcomes, whole = [run(tree), run(tree)], run(_with_loads(tree, {name: twice}))
     else:
         outcomes, whole = [run(_with_loads(tree, {name: load})) for name, load in loads.items()], run(tree)
@@ -75,58 +72,54 @@ def reciprocates(tree: Tree) -> bool:
 
 def reciprocity(tree: Tree, rng: Random) -> Sides:
     """Exchange the places of a vertical force and of the deflection that is looked at."""
-    line, length = tree["lines"]["rope"], length_of(tree, "rope")
-    count = line["elements"]
-    a, b = (count * k // 8 for k in rng.sample(range(2, 7), 2))
-    size = 1e-3 * (line.get("tension") or 1e3 * line["mass"])
-    none = run(_with_loads(tree, {}))
-
-    def response(node: int) -> Outcome:
-        force = [0.0] * (len(line["start"]) - 1) + [-size]
-        load = {"kind": "force", "on": "rope", "force": force, "travel": {"speed": 0.0, "from": node * length / count}}
-        return run(_with_loads(tree, {"force": load}))
-
-    def seen(outcome: Outcome, node: int) -> Outcome:
-        if outcome.kind != DONE or none.kind != DONE:
-            return outcome
-        own = outcome.fields["position", "rope"][:, node, 2] - none.fields["position", "rope"][:, node, 2]
-        return Outcome(DONE, {("deflection", ""): own}, doubts=outcome.doubts)
-
-    left, right = seen(response(a), b), seen(response(b), a)
-    size = float(np.abs(left.fields.get(("deflection", ""), np.zeros(1))).max()) or 1.0
-    return Sides(left, right, only=("deflection",), scales={"deflection": size}, tolerance=1e-4, path=False)
+    line, none = tree["lines"]["rope"], run({**tree, "loads": {}})
+    parts = [k / 8 for k in rng.sample(range(2, 7), 2)]
+    xi = none.fields.get(("xi", "rope"), np.linspace(0.0, length_of(tree, "rope"), 9))
+    nodes = [int(np.abs(xi - part * xi[-1]).argmin()) for part in parts]
+    force = [0.0] * (len(line["start"]) - 1) + [-1e-3 * (line.get("tension") or 1e3 * line["mass"])]
+    outcomes, largest = [], []
+    for node, other in (nodes, nodes[::-1]):
+        load = {"kind": "force", "on": "rope", "force": force, "travel": {"speed": 0.0, "from": float(xi[node])}}
+        outcome = run({**tree, "loads": {"force": load}})
+        if outcome.kind == none.kind == DONE:
+            moved = (outcome.fields["position", "rope"] - none.fields["position", "rope"])[..., 2]
+            largest.append(float(np.abs(moved).max()))
+            outcome = Outcome(DONE, {("deflection", ""): moved[:, other]}, doubts=outcome.doubts)
+        outcomes.append(outcome)
+    scale = {"deflection": max(largest, default=1.0) or 1.0}
+    return Sides(*outcomes, only=("deflection",), scales=scale, tolerance=1e-4, path=False)
 
 
 # -- Limits ------------------------------------------------------------------------------------------------------
 
 
+def _with_a_force(tree: Tree, part: float, way: float) -> tuple[Tree, Tree]:
+    """Return the tree with one vertical force on its first line, a part of its tension or weight, and this load."""
+    name, line = next(iter(tree["lines"].items()))
+    length = length_of({**tree, "loads": {}}, name)
+    size = part * (line.get("tension") or DOWN * line["mass"] * length)
+    travel = {"speed": way / tree["run"]["until"], "from": 0.3 * length}
+    force = [0.0] * (len(line["start"]) - 1) + [-size]
+    load = {"kind": "force", "on": name, "force": force, "travel": travel}
+    return {**tree, "loads": {"force": load}, "run": dict(tree["run"])}, load
+
+
 def moves_slowly(tree: Tree) -> bool:
-    """Whether a force alone travels on lines that stand still."""
-    shaken = any(line.get(end, {}).get("kind") == "moving" for line in tree.get("lines", {}).values()
-                 for end in ("start_support", "end_support"))  # fmt: skip
-    loads = list(tree["loads"].values())
-    plain = all(load["kind"] == "force" and load["travel"].get("measured", "material") == "material" for load in loads)
-    refuse = all(load.get("travel", {}).get("at_end", "refuse") == "refuse" for load in loads)
-    geometry = tree["run"].get("geometry", "nonlinear") == "nonlinear"
-    return tree["run"]["kind"] == "dynamic" and geometry and len(loads) == 1 and plain and refuse and not shaken
+    """Whether lines whose supports stand still are in motion."""
+    ends = [line.get(end, {}) for line in tree.get("lines", {}).values() for end in ("start_support", "end_support")]
+    still = bool(ends) and not any(end.get("kind") == "moving" for end in ends)
+    return tree["run"]["kind"] == "dynamic" and "geometry" not in tree["run"] and still
 
 
 def slow_motion(tree: Tree, rng: Random) -> Sides:
     """Let a load move slowly from equilibrium: its motion is a row of equilibria."""
-    found = copied(tree)
-    (load,) = found["loads"].values()
-    run_keys = found["run"]
-    surface = bool(tree.get("nets"))
-    until = run_keys["until"] * (1.0 if surface else 2.0)
-    load["travel"] |= {"speed": 0.005 * (3.0 if surface else 20.0) / until}
-    slow = {**found, "run": {**run_keys, "until": until, "every": until / 8, "start": {"with_loads": True}}}
-    still = {**found, "run": {"kind": "quasistatic", "positions": 2}}
-    still["loads"] = {name: {**own, "travel": {**own["travel"], "at_end": "stay"}} for name, own in found["loads"].items()}
-    place = load["travel"]["from"] + load["travel"]["speed"] * until
-    still = _at(found, [place])
-    last = with_fields(run(slow), lambda f: {key: values[-1:] for key, values in f.items()})
+    until = 2.0 * tree["run"]["until"]
+    found, load = _with_a_force({**tree, "run": {**tree["run"], "until": until}}, 0.01, 0.1)
+    found["run"] |= {"every": until / 8, "start": {"with_loads": True}}
+    last = with_fields(run(found), lambda f: {key: values[-1:] for key, values in f.items()})
     only = ("position", "tension", "reaction", "contact_position")
-    return Sides(run(still), last, tolerance=MODEST, only=only, path=False)
+    still = _at(found, [load["travel"]["from"] + 0.1])
+    return Sides(run(still), last, tolerance=2.0 * MODEST, only=only, path=False)
 
 
 def _at(tree: Tree, places: list[float]) -> Tree:
@@ -139,13 +132,10 @@ def _at(tree: Tree, places: list[float]) -> Tree:
 
 
 def is_quasistatic(tree: Tree) -> bool:
-    """Whether loads travel at one speed in a quasi-static run."""
-    loads = tree["loads"].values()
-    plain = all(isinstance(load.get("travel", {}).get("speed"), float) for load in loads)
-    measured = all(load["travel"].get("measured", "material") == "material" for load in loads) if plain else False
-    stays = any(load["travel"].get("at_end") in ("stay", "leave") for load in loads) if plain else False
-    axles = any(load["kind"] == "axles" for load in loads)
-    return tree["run"]["kind"] == "quasistatic" and plain and measured and not stays and not axles
+    """Whether a run is quasi-static, on lines."""
+    axles = any(load["kind"] == "axles" for load in loads_of(tree))
+    quasistatic = tree["run"]["kind"] == "quasistatic" and bool(tree.get("lines"))
+    return quasistatic and measures(tree) <= {"material"} and not axles
 
 
 def equilibria(tree: Tree, rng: Random) -> Sides | None:
@@ -155,33 +145,29 @@ def equilibria(tree: Tree, rng: Random) -> Sides | None:
         return None
     frame = rng.choice([0, 1, 2])
     places = [float(slowly.fields["contact_xi", name][frame]) for name in tree["loads"]]
-    if tree.get("nets") or not np.isfinite(places).all():
+    if not np.isfinite(places).all():
         return None
     left = with_fields(slowly, lambda f: {key: v[frame : frame + 1] for key, v in f.items()})
     return Sides(left, run(_at(tree, places)), path=False)
 
 
 def is_small(tree: Tree) -> bool:
-    """Whether forces travel on straight, level, plain lines."""
+    """Whether the run is that of one straight, level, plain line."""
     lines = list(tree.get("lines", {}).values())
-    if len(lines) != 1 or tree["run"]["kind"] != "dynamic" or "start" in tree["run"] or not tree["loads"]:
+    if len(lines) != 1 or tree["run"]["kind"] not in ("dynamic", "linear"):
         return False
     level = lines[0]["start"][-1] == lines[0]["end"][-1]
-    straight = "tension" in lines[0] or "foundation" in lines[0] or lines[0]["mass"] > 500
-    free = not {"start_support", "end_support", "supports", "sheaves"} & set(lines[0])
-    plain = all(load["kind"] == "force" and load.get("contact", "clamped") == "clamped" for load in tree["loads"].values())
-    measured = all(load.get("travel", {}).get("measured", "material") == "material" for load in tree["loads"].values())
-    return level and straight and free and plain and measured
+    straight = "tension" in lines[0] or lines[0]["mass"] > 500
+    return level and straight and not {"start_support", "end_support", "supports", "sheaves"} & set(lines[0])
 
 
 def small_amplitude(tree: Tree, rng: Random) -> Sides:
-    """Let small vertical forces act without gravity: the linear theory is the limit."""
-    found = {**copied(tree), "gravity": 0.0}
-    for load in found["loads"].values():
-        load["force"] = [0.0] * (len(load["force"]) - 1) + [1e-3 * load["force"][-1]]
-    (line,) = found["lines"].values()
-    line.pop("axial_damping", None)
-    keys = {key: found["run"][key] for key in ("until", "every")}
+    """Let a small vertical force act without gravity: the linear theory is the limit."""
+    keys = {key: tree["run"][key] for key in ("until", "every")}
+    ((name, line),) = tree["lines"].items()
+    plain = {name: {key: value for key, value in line.items() if key != "axial_damping"}}
+    base = {**tree, "gravity": 0.0, "lines": plain, "run": {"kind": "dynamic", **keys}}
+    found, _ = _with_a_force(base, 1e-5, 4.0)
     left, right = run(found), run({**found, "run": {"kind": "linear", **keys}})
 
     def height(fields: Fields) -> Fields:
@@ -194,11 +180,6 @@ def small_amplitude(tree: Tree, rng: Random) -> Sides:
 
 
 # -- Balance -----------------------------------------------------------------------------------------------------
-
-
-def has_energy(tree: Tree) -> bool:
-    """Whether a run keeps an energy balance."""
-    return tree["run"]["kind"] == "dynamic"
 
 
 def energy(tree: Tree, rng: Random) -> Sides | None:
@@ -215,26 +196,59 @@ def energy(tree: Tree, rng: Random) -> Sides | None:
     return Sides(left, Outcome(DONE, right.fields, doubts=outcome.doubts), MODEST, scales={"energy": size}, path=False)
 
 
-def is_static(tree: Tree) -> bool:
-    """Whether loads and weights are borne by supports, at rest."""
+def _is_borne(tree: Tree) -> bool:
+    """Whether supports alone bear loads and weights of lines."""
     lines = tree.get("lines", {}).values()
-    free = not any({"foundation", "segments"} & set(line) for line in lines)
-    moving = any(load["kind"] not in ("force", "mass") for load in tree["loads"].values())
-    guided = any(line.get(end, {}).get("mass") for line in lines for end in ("start_support", "end_support"))
-    plain = not tree.get("joints") and not tree.get("hangers") and not moving and not guided
-    return tree["run"]["kind"] in ("equilibrium", "quasistatic") and bool(lines) and free and plain
+    extra = any({"foundation", "segments", "drag"} & set(line) for line in lines)
+    heavy = any(line.get(end, {}).get("mass") for line in lines for end in ("start_support", "end_support"))
+    return bool(lines) and not (extra or heavy or tree.get("joints") or tree.get("hangers"))
+
+
+def is_static(tree: Tree) -> bool:
+    """Whether forces balance at rest."""
+    given = all(load["kind"] in ("force", "mass") for load in loads_of(tree))
+    return tree["run"]["kind"] in ("equilibrium", "quasistatic") and given and _is_borne(tree)
+
+
+def _forces(tree: Tree, fields: Fields) -> np.ndarray:
+    """Return the sum of support forces, contact forces and weights of lines, (frame, 3) N."""
+    parts = [np.nan_to_num(values) for key, values in fields.items() if key[0] in ("reaction", "contact_force")]
+    mass = sum(line["mass"] * fields["xi", name][-1] for name, line in tree["lines"].items())
+    return np.asarray(sum(parts) - np.array([0.0, 0.0, tree["gravity"] * mass]))
 
 
 def support_forces(tree: Tree, rng: Random) -> Sides | None:
-    """Compare support forces at rest with weights and given forces."""
+    """Compare the sum of all forces at rest with zero."""
     outcome = run(tree)
     if outcome.kind != DONE:
         return None
-    fields = outcome.fields
-    borne = sum(values for (name, _), values in fields.items() if name == "reaction")
-    applied = sum((np.nan_to_num(v) for (name, _), v in fields.items() if name == "contact_force"), start=0.0 * borne)
-    weight = tree["gravity"] * sum(line["mass"] * length_of(tree, name) for name, line in tree["lines"].items())
-    right = Outcome(DONE, {("reaction", "sum"): np.array([0.0, 0.0, weight]) - applied})
-    size = max(float(np.abs(values).max()) for (name, _), values in fields.items() if name in ("reaction", "tension"))
-    left = Outcome(DONE, {("reaction", "sum"): borne}, doubts=outcome.doubts)
-    return Sides(left, right, tolerance=1e-4, scales={"reaction": size or 1.0}, path=False)
+    borne = {("reaction", "sum"): _forces(tree, outcome.fields)}
+    right = Outcome(DONE, {key: 0.0 * values for key, values in borne.items()})
+    return Sides(Outcome(DONE, borne, doubts=outcome.doubts), right, 1e-4, scales=sizes(outcome.fields), path=False)
+
+
+def has_momentum(tree: Tree) -> bool:
+    """Whether a motion from rest is by forces that results show."""
+    return tree["run"]["kind"] == "dynamic" and "geometry" not in tree["run"] and _is_borne(tree)
+
+
+def momentum(tree: Tree, rng: Random) -> Sides | None:
+    """Compare the way of the centre of mass with the double integral of all forces: momentum, twice integrated."""
+    keys = tree["run"]
+    outcome = run({**tree, "run": {**keys, "every": keys["every"] / 25}})
+    if outcome.kind != DONE:
+        return None
+    fields, moved, mass = outcome.fields, 0.0, 0.0
+    for name, line in tree["lines"].items():
+        step = np.diff(fields["xi", name])
+        nodes = line["mass"] * 0.5 * (np.append(step, 0.0) + np.append(0.0, step))
+        away = fields["position", name] - fields["position", name][0]
+        moved, mass = moved + np.einsum("n,tna->ta", nodes, away), mass + nodes.sum()
+    time = fields["time", ""]
+    force = _forces(tree, fields) / mass
+    speed = np.vstack([np.zeros(3), np.cumsum(0.5 * np.diff(time)[:, None] * (force[1:] + force[:-1]), axis=0)])
+    way = np.vstack([np.zeros(3), np.cumsum(0.5 * np.diff(time)[:, None] * (speed[1:] + speed[:-1]), axis=0)])
+    up = np.array([0.0, 0.0, 1.0])
+    left, right = (Outcome(DONE, {("position", "centre"): v * up}, doubts=outcome.doubts) for v in (moved / mass, way))
+    size = float(np.abs(left.fields["position", "centre"]).max())
+    return Sides(left, right, 2.0 * MODEST, scales={"position": max(size, 1e-6)}, path=False)

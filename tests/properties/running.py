@@ -55,7 +55,7 @@ def attempt(compute: Callable[[], xr.Dataset]) -> Outcome:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            result = compute()
+            return _ended(compute())
     except ScenarioError as error:
         return Outcome(REFUSED, text="; ".join(f"{problem.key}: {problem.wrong}" for problem in error.problems))
     except RopewalkError as error:
@@ -63,6 +63,9 @@ def attempt(compute: Callable[[], xr.Dataset]) -> Outcome:
     except Exception as error:  # a crash is reported as a violation
         frame = traceback.extract_tb(error.__traceback__)[-1]
         return Outcome(CRASH, text=f"{type(error).__name__}: {error} ({Path(frame.filename).name}:{frame.lineno})")
+
+
+def _ended(result: xr.Dataset) -> Outcome:
     if result.attrs["outcome"] not in ("completed", "doubtful"):
         return Outcome(STOPPED, fields_of(result), f"{result.attrs['outcome']}: {result.attrs['advice']}")
     return Outcome(DONE, fields_of(result), doubts=result.attrs["doubts"])
@@ -87,7 +90,7 @@ def fields_of(result: xr.Dataset) -> Fields:
     for name, owner in OWNERS.items():
         values, owners = result[name].values, result[owner].values
         if name in WITH_AXIS and values.shape[-1] == 2:
-            values = np.stack([values[..., 0], np.zeros(values.shape[:-1]), values[..., 1]], axis=-1)
+            values = np.stack([values[..., 0], 0.0 * values[..., 0], values[..., 1]], axis=-1)
         for own in dict.fromkeys(owners.tolist()):
             here = values[:, owners == own]
             found[name, own] = here if name in ("position", "tension") else here[:, 0]
@@ -96,16 +99,19 @@ def fields_of(result: xr.Dataset) -> Fields:
         found["xi", own] = xi[lines == own]
     for k, own in enumerate(result["load"].values.tolist()):
         found["contact_xi", own] = result["contact_xi"].values[:, k]
+    if leading == "load_path" and result.sizes[leading] > 1:  # at last a load is exactly at an end of its line
+        return {key: values if key[0] == "xi" else values[:-1] for key, values in found.items()}
     return found
 
 
 def length_of(tree: Tree, line: str) -> float:
     """Return the unstrained length of a line, m: as given, or as found from its tension."""
     given = tree["lines"][line].get("length")
-    if given is not None:
-        return float(given)
-    alone = {**tree, "loads": {}, "run": {"kind": "equilibrium"}}
-    return float(run(alone).fields["xi", line][-1])
+    if given is None:  # linearised runs count along the chord
+        found = run(tree).fields or run({**tree, "loads": {}, "run": {"kind": "equilibrium"}}).fields
+        ends = tree["lines"][line]["start"], tree["lines"][line]["end"]
+        given = found["xi", line][-1] if found else np.linalg.norm(np.subtract(*ends))
+    return float(given)
 
 
 def seconds() -> float:

@@ -1,4 +1,4 @@
-"""Relations between ways to compute one scenario: resumed, with other output instants, from the command line, in a sweep."""
+"""Relations between ways to compute a scenario: resumed, with other output instants, by the command, in a sweep."""
 
 from __future__ import annotations
 
@@ -12,31 +12,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .compare import MODEST, Sides
+from .compare import FORCES, MODEST, PLACES, Sides
 from .geometry import with_fields
 from .running import DONE, REFUSED, STOPPED, Outcome, attempt, read, run
-from .trees import Tree
+from .trees import Tree, loads_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
 EXACT = 1e-9
 """A run that is resumed takes the same steps."""
-
-
-def is_motion(tree: Tree) -> bool:
-    """Whether the run can be resumed."""
-    return tree["run"]["kind"] == "dynamic"
-
-
-def has_instants(tree: Tree) -> bool:
-    """Whether the run has output instants."""
-    return tree["run"]["kind"] in ("dynamic", "linear")
-
-
-def always(tree: Tree) -> bool:
-    """Whether the run can be computed by any tool."""
-    return True
 
 
 def resumed(tree: Tree, rng: Random) -> Sides:
@@ -61,7 +46,9 @@ def resumed(tree: Tree, rng: Random) -> Sides:
 def more_output(tree: Tree, rng: Random) -> Sides:
     """Keep three times as many instants."""
     finer = {**tree, "run": {**tree["run"], "every": tree["run"]["every"] / 3}}
-    only = ("position", "tension", "reaction", "contact_position", "contact_force", "body_position")
+    stops = any(load.get("travel", {}).get("at_end") == "stay" for load in loads_of(tree))  # with a blow
+    quiet = "geometry" in tree["run"] or tree["run"]["kind"] == "linear"
+    only = (*PLACES, *FORCES) if quiet and not stops else PLACES
     right = with_fields(run(finer), lambda f: {key: values[::3] for key, values in f.items()})
     return Sides(run(tree), right, tolerance=MODEST, only=only)
 

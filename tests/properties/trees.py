@@ -140,12 +140,17 @@ def refined(tree: Tree, factor: int = 2) -> Tree:
         net["cells"] = [factor * n for n in net["cells"]]
     for wires in found.get("overhead_lines", {}).values():
         wires["element"] = wires["element"] / factor
-    for key in ("every", "step", "accuracy"):
+    for key, power in (("every", 1), ("accuracy", 2)):
         if key in found["run"]:
-            found["run"][key] /= factor
+            found["run"][key] /= factor**power
     return found
 
 
-def loads_on(tree: Tree, line: str) -> dict[str, Tree]:
-    """Return the loads of a line by name."""
-    return {name: load for name, load in tree.get("loads", {}).items() if load["on"] == line}
+def loads_of(tree: Tree, line: str = "") -> list[Tree]:
+    """Return the loads, or those of a line."""
+    return [load for load in tree["loads"].values() if not line or load["on"] == line]
+
+
+def measures(tree: Tree) -> set[str]:
+    """Return what the travels of loads measure."""
+    return {load.get("travel", {}).get("measured", "material") for load in loads_of(tree)}

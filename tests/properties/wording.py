@@ -6,10 +6,10 @@ from random import Random
 
 import numpy as np
 
-from .compare import MODEST, PLACES, Sides, comparable
+from .compare import MODEST, PLACES, TWO_ENGINES, Sides, comparable
 from .geometry import with_fields
 from .running import DONE, Fields, length_of, run
-from .trees import Tree, copied
+from .trees import Tree, copied, measures
 
 APART = 1e-7
 """Of the length of the line, by which two halves of a load are apart: loads at one place are refused."""
@@ -18,18 +18,14 @@ APART = 1e-7
 # -- Halves ------------------------------------------------------------------------------------------------------
 
 
-def _forces(tree: Tree) -> list[str]:
+def plain_forces(tree: Tree) -> list[str]:
+    """Return the names of forces that no friction holds."""
     return [name for name, load in tree["loads"].items() if load["kind"] == "force" and "contact" not in load]
-
-
-def has_force(tree: Tree) -> bool:
-    """Whether a load is a force."""
-    return bool(_forces(tree))
 
 
 def halves(tree: Tree, rng: Random) -> Sides:
     """Replace a force by two of half its size at the same place."""
-    name = rng.choice(_forces(tree))
+    name = rng.choice(plain_forces(tree))
     found = copied(tree)
     load = found["loads"][name]
     load["force"] = [0.5 * component for component in load["force"]]
@@ -44,7 +40,7 @@ def halves(tree: Tree, rng: Random) -> Sides:
         one["contact_force", name] = fields["contact_force", name] + fields["contact_force", "twin"]
         return one
 
-    return Sides(run(tree), with_fields(run(found), back), tolerance=1e-4, only=comparable(tree))
+    return Sides(run(tree), with_fields(run(found), back), tolerance=TWO_ENGINES, only=comparable(tree))
 
 
 # -- Joined lines ------------------------------------------------------------------------------------------------
@@ -55,9 +51,8 @@ def splits(tree: Tree) -> bool:
     if len(tree.get("lines", {})) != 1 or tree["run"]["kind"] == "linear":
         return False
     (line,) = tree["lines"].values()
-    measures = {load.get("travel", {}).get("measured") for load in tree["loads"].values()}
     extra = {"bending_stiffness", "supports", "sheaves", "segments", "foundation"} & set(line)
-    return not extra and measures <= {None, "material"}
+    return not extra and measures(tree) <= {"material"}
 
 
 def joined_lines(tree: Tree, rng: Random) -> Sides | None:
@@ -94,7 +89,7 @@ def joined_lines(tree: Tree, rng: Random) -> Sides | None:
         one["reaction", f"{name}.end"] = fields["reaction", "rest.end"]
         return one
 
-    return Sides(left, with_fields(right, back), only=comparable(tree))
+    return Sides(left, with_fields(right, back), tolerance=TWO_ENGINES, only=comparable(tree))
 
 
 # -- Nothing added -----------------------------------------------------------------------------------------------
@@ -113,7 +108,7 @@ def _no_wind(tree: Tree) -> Tree:
 
 def _no_spring(tree: Tree) -> Tree:
     name = "rope"
-    support = {"kind": "elastic", "at": 0.5 * length_of(tree, name), "stiffness": 0.0}
+    support = {"kind": "elastic", "at": 0.625 * length_of(tree, name), "stiffness": 0.0}
     line = tree["lines"][name]
     return {**tree, "lines": {**tree["lines"], name: {**line, "supports": {**line.get("supports", {}), "no": support}}}}
 
@@ -147,6 +142,8 @@ def addition(tree: Tree, rng: Random) -> tuple[str, Tree]:
         names = ["rope far away", "stiff line far away"]
     if not tree["loads"] or tree["run"]["kind"] != "dynamic":
         names = [name for name in names if not name.startswith("static")]
+    if tree["run"]["kind"] == "quasistatic":
+        names.remove("force of 0 N") if "force of 0 N" in names else None
     name = rng.choice(names)
     return name, ADDITIONS[name](tree)
 
@@ -154,7 +151,19 @@ def addition(tree: Tree, rng: Random) -> tuple[str, Tree]:
 def nothing_added(tree: Tree, rng: Random) -> Sides:
     """Add something that has no effect."""
     name, more = addition(tree, rng)
-    return Sides(run(tree), run(more), tolerance=1e-4, only=comparable(tree), note=name)
+    left = run(tree)
+
+    def back(fields: Fields) -> Fields:
+        """Leave out the nodes that a support adds."""
+        found = dict(fields)
+        for (variable, own), values in left.fields.items():
+            if variable == "xi" and (other := fields.get(("xi", own))) is not None and len(other) > len(values):
+                nodes = [int(np.abs(other - xi).argmin()) for xi in values]
+                found["position", own] = fields["position", own][:, nodes]
+                found["tension", own] = left.fields["tension", own]
+        return found
+
+    return Sides(left, with_fields(run(more), back), tolerance=TWO_ENGINES, only=comparable(tree), note=name)
 
 
 # -- Bodies ------------------------------------------------------------------------------------------------------
@@ -179,18 +188,22 @@ def other_body(tree: Tree, rng: Random) -> Sides:
     found = copied(tree)
     load = found["loads"][name]
     exact = load["kind"] == "vehicle"
-    own, owners = (_as_matrices if exact else _as_vehicle)(load)
+    own, owners = (_as_matrices if exact else _as_vehicle)(load, tree["gravity"])
     found["loads"][name] = own | {key: load[key] for key in ("on", "travel")}
 
     def back(fields: Fields) -> Fields:
         mine = {name + new: name + old for new, old in owners.items()}
         return {(variable, mine.get(owner, owner)): values for (variable, owner), values in fields.items()}
 
-    right = with_fields(run(found), back)
-    return Sides(run(tree), right, tolerance=1e-5 if exact else MODEST, only=PLACES)
+    def heights(fields: Fields) -> Fields:
+        """Leave out where bodies are along the line: matrices do not say it."""
+        return {key: v * [0.0, 0.0, 1.0] if key[0] == "body_position" else v for key, v in fields.items()}
+
+    left, right = with_fields(run(tree), heights), with_fields(run(found), lambda f: heights(back(f)))
+    return Sides(left, right, tolerance=1e-5 if exact else MODEST, only=PLACES)
 
 
-def _as_vehicle(load: Tree) -> tuple[Tree, dict[str, str]]:
+def _as_vehicle(load: Tree, gravity: float) -> tuple[Tree, dict[str, str]]:
     """A mass or an oscillator as a vehicle of one wheel, and the owners of its fields."""
     vehicle: Tree = {"kind": "vehicle", "wheels": {"w": {"mass": load.get("wheel_mass", load["mass"])}}}
     if load["kind"] == "oscillator":
@@ -199,7 +212,7 @@ def _as_vehicle(load: Tree) -> tuple[Tree, dict[str, str]]:
     return vehicle, {".w": "", ".m": ""}
 
 
-def _as_matrices(load: Tree) -> tuple[Tree, dict[str, str]]:
+def _as_matrices(load: Tree, gravity: float) -> tuple[Tree, dict[str, str]]:
     """A vehicle of one box on two wheels by its matrices, and the owners of its fields."""
     box = load["bodies"]["box"]
     wheels = load["wheels"]
@@ -213,6 +226,6 @@ def _as_matrices(load: Tree) -> tuple[Tree, dict[str, str]]:
         damping += spring["damping"] * np.outer(row, row)
     return {
         "kind": "matrices", "coordinates": names, "mass": mass.tolist(), "stiffness": stiffness.tolist(),
-        "damping": damping.tolist(), "weight": [9.81 * m if k != 1 else 0.0 for k, m in enumerate(np.diag(mass))],
+        "damping": damping.tolist(), "weight": [gravity * m if k != 1 else 0.0 for k, m in enumerate(np.diag(mass))],
         "wheels": {name: {"at": wheel["at"], "coordinate": name} for name, wheel in wheels.items()},
     }, {f".{name}": f".{name}" for name in ("box", *wheels)}  # fmt: skip

@@ -66,4 +66,5 @@ class Worker:
         self._process.join()
         pair, self._before = self.pair, self.cpu
         self._begin()
-        return Verdict(pair, pair.partition(" ")[2], "", float("inf"), why, "too long" if "within" in why else "", LIMIT)
+        case = "too long" if "within" in why else ""
+        return Verdict(pair, pair.partition(" ")[2], "", float("inf"), why, case, LIMIT)

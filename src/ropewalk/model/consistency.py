@@ -86,6 +86,7 @@ def check(parts: Parts) -> list[Finding]:
             _hoists,
             _counterweights,
             _path,
+            _static_part,
             _rest,
             _size,
             hooks.unsupported,
@@ -215,6 +216,17 @@ def _moves(load: AnyLoad | None) -> bool:
     """Whether a prescribed travel has a speed at some time."""
     speed = load.travel.speed if isinstance(load, Travelling) else 0.0
     return callable(speed) or any(speed.value if isinstance(speed, SpeedTable) else (speed,))
+
+
+def _static_part(parts: Parts) -> Iterator[Finding]:
+    """Find loads that stand still, of whose crossing there is no static part."""
+    if parts.outputs.impact and isinstance(parts.run, Dynamic | Linear) and parts.loads:
+        for found in _path(replace(parts, run=Quasistatic())):
+            where, remedy = ".".join(map(str, found.path)), "let the load move, or leave impact out"
+            yield Finding(
+                ("outputs", "impact"), f"there is no static part: {where}: {found.wrong}", found.given, remedy
+            )
+            return
 
 
 def _path(parts: Parts) -> Iterator[Finding]:

@@ -239,5 +239,5 @@ def hung(mesh: Mesh, position: Array) -> Array:
         part = mesh.of(a)
         step = np.diff(position[:, part], axis=1)
         length = np.sqrt((step**2).sum(axis=0))
-        rest[part][:-1] = length / (1.0 + tension[part][:-1] * length / step[0] / wire.axial_stiffness)
+        rest[part][:-1] = length / (1.0 + tension[part][:-1] * length / np.abs(step[0]) / wire.axial_stiffness)
     return rest

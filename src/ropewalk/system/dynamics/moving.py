@@ -49,7 +49,7 @@ from ropewalk.system.elements.inertia import remark_inertia, with_inertia
 from ropewalk.system.elements.structure import WORKS, Buffers, SystemState
 from ropewalk.system.equilibrium.carriages_at_rest import CarriagesAtRest
 from ropewalk.system.equilibrium.lengths import off_tension
-from ropewalk.system.equilibrium.rest import about_rest, at_rest, least, refuse_limp, settled_in_wind, tensions
+from ropewalk.system.equilibrium.rest import about_rest, least, refuse_limp, settled_in_wind, tensions
 from ropewalk.system.equilibrium.statics import SystemPotential
 from ropewalk.system.equilibrium.structures import rest_before_motion, structure_of
 from ropewalk.system.loads.crabs import Crabs, stand_on_lines
