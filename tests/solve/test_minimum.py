@@ -125,5 +125,5 @@ def test_what_nothing_holds_against_its_force_is_refused() -> None:
     truss = Truss(sliding=True)
     truss._own = lambda pull: pull + np.array([10.0, 0.0])  # type: ignore[method-assign]
     truss.energy = lambda r: -10.0 * float(r[0])  # type: ignore[method-assign]
-    with pytest.raises(EquilibriumError, match="no equilibrium was found.*: the node is free to move"):
+    with pytest.raises(EquilibriumError, match=r"no equilibrium was found.*: the node is free to move"):
         settle(truss, np.array([0.0, HIGH]))

@@ -296,8 +296,7 @@ class SystemMotion:
         if u is not None:
             potential.loaded.state.u[: u.size] = u
         with search(self.assembled.line):
-            settled = partial(settled_in_wind, t=0.0) if self._in_wind else least
-            shape = settled(potential, potential.taken())
+            shape = (partial(settled_in_wind, t=0.0) if self._in_wind else least)(potential, potential.taken())
         potential.forces(shape)
         r, u = potential.put(shape)
         self.state.r[:], self.state.u[:] = r, u[: potential.loaded.own]
@@ -469,13 +468,9 @@ class SystemMotion:
         if self._turned[0] or not self.structure.inertia.along.size or self._method is not VERLET:
             return
         largest = stability.largest_step(self.structure, self.contacts, self.bodies, self.state.r, self.rest)
-        stable = largest / stability.SAFETY
-        if self._step > stable:
+        if self._step > (stable := largest / stability.SAFETY):
             self._turned[0] = 1
-            self.run_info.warnings.append(
-                f"at t = {t:.4g} s lines have turned so far that run.axial_inertia is of less use: the step of "
-                f"{self._step:.3g} s is stable for certain only below {stable:.3g} s"
-            )
+            self.run_info.warnings.append(doubts.turned_far(t, self._step, stable))
 
     def get_state(self) -> Tree:
         """All that changes.
@@ -494,8 +489,7 @@ class SystemMotion:
         located = self.contacts[WHERE].copy()
         for name, arrays in self._changing().items():
             put(arrays, tree[name])
-        for field in WHERE:  # the run may be longer than that of the checkpoint
-            self.contacts[field] = located[field]
+        self.contacts[WHERE] = located  # the run may be longer than that of the checkpoint
         self._asking.set_state(tree["guides"])
         self._partings.set_state(tree["partings"])
 

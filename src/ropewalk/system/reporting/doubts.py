@@ -101,6 +101,20 @@ def ask_sticking(
         doubt_sticking(run_info, t, "a sheave")
 
 
+def turned_far(t: float, step: float, stable: float) -> str:
+    """Return the warning that lines have turned out of the direction of their axial inertia.
+
+    Args:
+        t: instant, s.
+        step: of the run, s.
+        stable: largest step that is stable for certain, s.
+    """
+    return (
+        f"at t = {t:.4g} s lines have turned so far that run.axial_inertia is of less use: the step of {step:.3g} s is "
+        f"stable for certain only below {stable:.3g} s; write a smaller run.step"
+    )
+
+
 def joined_beside(scenario: Scenario, assembled: Assembled) -> Iterator[str]:
     """Lines, in words, that are not joined to nets where it was asked for but at the node next to that."""
     nets = {} if assembled.nets is None else {sheet.name: sheet for sheet in assembled.nets.membranes}
