@@ -13,11 +13,16 @@ from contextlib import contextmanager
 from ropewalk.errors import Problem, ScenarioError
 
 VARIABLE = "ROPEWALK_NO_CODE"
+STUDIO = "studio"
 
 
-def forbid_code() -> None:
-    """Forbid external code in this process and in those that it starts."""
-    os.environ[VARIABLE] = "1"
+def forbid_code(by: str = "1") -> None:
+    """Forbid external code in this process and in those that it starts.
+
+    Args:
+        by: STUDIO if the studio forbids it, whose messages name its own option.
+    """
+    os.environ[VARIABLE] = by
 
 
 def is_code_forbidden() -> bool:
@@ -45,6 +50,9 @@ def refusal_of_code(name: str, key: str, given: str) -> Problem:
         key: of the load that names the code.
         given: its value.
     """
+    if os.environ.get(VARIABLE) == STUDIO:
+        remedy = "open the studio with --allow-code if you trust its author"
+        return Problem(f"loads.{name}.{key}", "is code of somebody, which the studio does not run", given, remedy)
     remedy = f"omit --no-code (and the environment variable {VARIABLE}) if you trust its author"
     return Problem(f"loads.{name}.{key}", "is external code, which --no-code refuses", given, remedy)
 

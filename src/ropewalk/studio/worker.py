@@ -19,7 +19,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ropewalk.permission import forbid_code
+from ropewalk.permission import STUDIO, forbid_code
 
 if TYPE_CHECKING:
     from ropewalk.model.scenario import Scenario
@@ -46,7 +46,7 @@ def main(pipe: Connection, folder: str, allow_code: bool, memory: int, processes
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small problems, and other pages want the other cores
     os.chdir(folder)
     if not allow_code:
-        forbid_code()
+        forbid_code(STUDIO)
     if memory:
         with contextlib.suppress(ImportError, ValueError, OSError):
             import resource
@@ -122,12 +122,7 @@ class ComputingProcess:
         from ropewalk.studio.folder import check_inside
 
         if not self._allow_code:
-            try:
-                refuse_code(scenario.loads)
-            except ScenarioError as error:
-                remedy = "open the studio with --allow-code if you trust its author"
-                wrong = "is code of somebody, which the studio does not run"
-                raise ScenarioError([Problem(p.key, wrong, p.given, remedy) for p in error.problems]) from None
+            refuse_code(scenario.loads)
         check_inside(
             scenario.model_dump(mode="python", by_alias=True, exclude_unset=True, warnings=False), self._folder
         )
