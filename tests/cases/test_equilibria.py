@@ -179,8 +179,8 @@ def test_a_node_that_would_rest_at_a_sheave_does_not_matter(start: float) -> Non
 
 @pytest.mark.xfail(strict=True, reason="one engine, stage 4")
 def test_friction_on_a_saddle_is_followed_in_large_steps() -> None:
-    coarse = ("elements: 100", "elements: 40"), ("positions: 5", "positions: 3")
-    assert run("t-09-saddle-friction-crash", *coarse).attrs["outcome"] == "completed"
+    """With 20 positions it is; with 5 the search ends after 12 halvings of a step, and says that more are needed."""
+    assert run("t-09-saddle-friction-crash", ("elements: 100", "elements: 30")).attrs["outcome"] == "completed"
 
 
 @pytest.mark.xfail(strict=True, reason="one engine, stage 4")

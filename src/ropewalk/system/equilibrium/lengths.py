@@ -73,7 +73,7 @@ class _Lengths:
         T = tensions(self.assembled.structure, rest)
 
         def missed(structure: Structure, r: Array) -> Array:
-            return mean_tensions(structure, r)[self.at] / self.wanted - 1.0
+            return np.asarray(mean_tensions(structure, r)[self.at] / self.wanted - 1.0)
 
         def bearing(assembled: Assembled) -> SystemPotential:
             structure = with_ends(assembled.structure, gravity, T)
@@ -106,6 +106,11 @@ class _Lengths:
                 H = H + np.outer(step - change, step @ H) / size
 
 
+def _inverse(J: Array, alike: float = 1e-15) -> Array:
+    """The inverse of responses, without those that are less than a part of the largest one."""
+    return np.asarray(np.linalg.pinv(J, rcond=alike), dtype=np.float64)
+
+
 def with_tensions(scenario: Scenario, build: Build) -> Assembled:
     """A structure whose lines are as long as their tensions want them, and about how it rests.
 
@@ -128,11 +133,11 @@ def with_tensions(scenario: Scenario, build: Build) -> Assembled:
             J = found.responses()
         except RuntimeError:  # something is free to move
             J = np.diag([-1.0 / _answer(scenario.lines[name], scenario.gravity) for name in found.given])
-        found.search(np.linalg.pinv(J, rcond=_ALIKE), most)
+        found.search(_inverse(J, _ALIKE), most)
         if _ROUNDING < found.largest < _ACCEPTED:
             whole = found.whole.copy()
             with suppress(EquilibriumError):
-                found.search(np.linalg.pinv(found.responses()), 0.1 * most)
+                found.search(_inverse(found.responses()), 0.1 * most)
             if not found.largest < _ROUNDING or np.abs(found.whole - whole)[found.at].max() > most.max():
                 found.change(whole[found.at] - found.whole[found.at])
     if not found.largest < _ACCEPTED:
