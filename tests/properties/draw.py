@@ -42,7 +42,7 @@ def draw(rng: Random) -> Tree:
     kind = choose(rng, RUNS)
     s: Structure = choose(rng, STRUCTURES)(rng)
     tree: Tree = {"gravity": rng.choice([DOWN, DOWN, DOWN, 0.0]), **s.parts, "loads": {}}
-    if kind == "equilibrium" or s.family in ("slack", "joined"):
+    if kind == "equilibrium" or s.family in ("slack", "joined", "overhead"):
         tree["gravity"] = DOWN
     number = choose(rng, NUMBER) if kind in ("dynamic", "linearised", "equilibrium") else choose(rng, {1: 7, 2: 3})
     tree["run"] = _run(rng, kind, s)

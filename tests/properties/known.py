@@ -33,8 +33,15 @@ def _changes_engine(tree: Tree, relation: str, found: Difference) -> bool:
     return relation in ("nothing added", "joined lines", "rotation about the vertical") and _is_refused(found)
 
 
+def _takes_coarse_steps(tree: Tree, relation: str, found: Difference) -> bool:
+    """Forces of linear and linearised runs depend on the interval of output."""
+    linear = tree["run"]["kind"] == "linear" or "geometry" in tree["run"]
+    return relation == "output interval" and linear and found.what.startswith(("reaction", "contact_force", "tension"))
+
+
 KNOWN: tuple[Known, ...] = (
     Known("not-implemented-elsewhere", 2, "engines differ in what they support", _changes_engine),
+    Known("coarse-steps", 2, "forces follow the last step, whose length depends on the output", _takes_coarse_steps),
 )
 
 
