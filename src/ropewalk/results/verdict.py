@@ -20,6 +20,7 @@ from ropewalk.results.energy_balance import RESIDUAL, EnergyWatch
 from ropewalk.results.foundation_step import phase_warnings
 from ropewalk.results.frame import OFF_LINE, Array, Doubt, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
+from ropewalk.results.given_tension import GivenTensionWatch
 from ropewalk.results.ground import GroundWatch
 from ropewalk.results.hanging import HangingWatch
 from ropewalk.results.lifted_rope import LiftedRopeWatch
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 
 WATCHES = (
     StrainRangeWatch, AxialRestraintWatch, StartPositionWatch, PushWatch, GroundWatch, LostContactWatch, HangingWatch,
+    GivenTensionWatch,
 )  # fmt: skip
 """Watches that see all frames and have warnings at the end."""
 VANISHING = 1e-100  # N: small motion begins with a little more than nothing
