@@ -68,11 +68,11 @@ if TYPE_CHECKING:
 RKN6_SAFETY = 0.9
 
 _ENDS = {
-    motion.NOT_FINITE: ("diverged", "positions stopped being numbers; take a smaller run.step"),
-    motion.AT_END: (
-        "travel ended",
-        "a load has come to an end of its line; write at_end: leave or stay, or end the run before",
+    motion.NOT_FINITE: (
+        "diverged",
+        "positions are no numbers; write a smaller run.step, or axial_stiffness in place of an inextensible law",
     ),
+    motion.AT_END: ("travel ended", "a load is at an end of its line; write at_end: leave or stay, or a shorter run"),
     motion.AT_SHEAVE: ("travel ended", "a load has come to a sheave, which it cannot pass; let it turn back before"),
     motion.LINE_OUT: ("line ran out", "a line has run over a sheave up to its end, to another sheave or to a joint"),
 }

@@ -73,7 +73,7 @@ class _Lengths:
         T = tensions(self.assembled.structure, rest)
 
         def missed(structure: Structure, r: Array) -> Array:
-            return np.asarray(mean_tensions(structure, r)[self.at] / self.wanted - 1.0)
+            return np.asarray(mean_tensions(structure, r)[self.at] / self.wanted - 1.0, dtype=np.float64)
 
         def bearing(assembled: Assembled) -> SystemPotential:
             structure = with_ends(assembled.structure, gravity, T)
@@ -106,6 +106,10 @@ class _Lengths:
                 H = H + np.outer(step - change, step @ H) / size
 
 
+def _diagonal(values: list[float]) -> Array:
+    return np.diag(np.array(values, dtype=np.float64))
+
+
 def _inverse(J: Array, alike: float = 1e-15) -> Array:
     """The inverse of responses, without those that are less than a part of the largest one."""
     return np.asarray(np.linalg.pinv(J, rcond=alike), dtype=np.float64)
@@ -127,12 +131,12 @@ def with_tensions(scenario: Scenario, build: Build) -> Assembled:
     found = _Lengths(scenario, build)
     most, parts = _FAR * found.whole[found.at], scenario.parts
     if len(found.given) == 1 or scenario.tracks or parts.runs_over_sheaves or parts.has_saddles:
-        found.search(np.diag([-_answer(scenario.lines[name], scenario.gravity) for name in found.given]), most)
+        found.search(_diagonal([-_answer(scenario.lines[name], scenario.gravity) for name in found.given]), most)
     else:
         try:
             J = found.responses()
         except RuntimeError:  # something is free to move
-            J = np.diag([-1.0 / _answer(scenario.lines[name], scenario.gravity) for name in found.given])
+            J = _diagonal([-1.0 / _answer(scenario.lines[name], scenario.gravity) for name in found.given])
         found.search(_inverse(J, _ALIKE), most)
         if _ROUNDING < found.largest < _ACCEPTED:
             whole = found.whole.copy()
