@@ -39,8 +39,16 @@ def _takes_coarse_steps(tree: Tree, relation: str, found: Difference) -> bool:
     return relation == "output interval" and linear and found.what.startswith(("reaction", "contact_force", "tension"))
 
 
+def _leaves_damping_out(tree: Tree, relation: str, found: Difference) -> bool:
+    """The linear theory of strings leaves their damping out, with a warning; modes of joined lines have it."""
+    strings = [line for line in tree.get("lines", {}).values() if not line.get("bending_stiffness")]
+    damped = any({"drag", "axial_damping"} & set(line) for line in strings)
+    return relation == "nothing added" and tree["run"]["kind"] == "linear" and damped
+
+
 KNOWN: tuple[Known, ...] = (
     Known("not-implemented-elsewhere", 2, "engines differ in what they support", _changes_engine),
+    Known("undamped-strings", 2, "the closed form of a string has no damping", _leaves_damping_out),
     Known("coarse-steps", 2, "forces follow the last step, whose length depends on the output", _takes_coarse_steps),
 )
 
