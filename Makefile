@@ -47,7 +47,7 @@ help:
 	@echo "make kills-cluster  COUNT (200) kills of workers, scheduler and command of sweeps on a Dask cluster"
 	@echo "make interrupts   COUNT (100) commands of all kinds interrupted at any moment, set-up included: how soon they end"
 	@echo "make matrix       what works on what: thousands of short runs, into docs/capabilities.md"
-	@echo "make properties   PAIRS (2000) of scenarios that mechanics relates, drawn with SEEDS (1): an hour of CPU"
+	@echo "make properties   PAIRS (2000) of scenarios that mechanics relates, drawn with SEEDS (1): a quarter of an hour of CPU"
 	@echo "make release      wheel and sdist in dist/, both tried in fresh environments"
 	@echo "make figures      the figures of the paper, in out/figures"
 	@echo "make bench        riding against sharing, cost per node, moving bodies, and error against time beside peers (make peers installs them)"

@@ -127,7 +127,7 @@ def sizes(fields: Fields) -> dict[str, float]:
     force = max((found.get(name, 0.0) for name in ("contact_force", "reaction")), default=0.0)
     found |= {name: sag for name in WITH_AXIS if name.endswith("position")}
     tension = max(found.get("tension", 0.0), force, LEAST_FORCE)
-    found |= {"reaction": max(force, QUIET * tension), "tension": tension}
+    found |= {"reaction": max(force, QUIET * tension, 1e-3 * LEAST_FORCE), "tension": tension}
     found["contact_force"] = max(found.get("contact_force", 0.0), QUIET * tension)
     found["energy"] = max(found.get("energy", 0.0), QUIET * tension * sag)
     return {name: size or 1.0 for name, size in found.items()}

@@ -188,6 +188,11 @@ def units(tree: Tree, rng: Random) -> Sides:
     return Sides(run(tree), run(found))
 
 
+def scales(tree: Tree) -> bool:
+    """Whether the scenario is of lines, without people, whose models hold for some frequencies."""
+    return bool(tree.get("lines")) and all(load["kind"] != "footsteps" for load in loads_of(tree))
+
+
 def with_steps(tree: Tree) -> Tree:
     """Return the tree with the keys of a motion that have a dimension, as far as its engine has them."""
     keys = {"accuracy": 1e-4, "sample": tree["run"].get("until", 0.0) / 100.0}

@@ -39,8 +39,26 @@ def _takes_coarse_steps(tree: Tree, relation: str, found: Difference) -> bool:
     return relation == "output interval" and linear and found.what.startswith(("reaction", "contact_force", "tension"))
 
 
+def _leaves_damping_out(tree: Tree, relation: str, found: Difference) -> bool:
+    """The linear theory of strings leaves their damping out, with a warning; modes of joined lines have it."""
+    strings = [line for line in tree.get("lines", {}).values() if not line.get("bending_stiffness")]
+    damped = any({"drag", "axial_damping"} & set(line) for line in strings)
+    return relation == "nothing added" and tree["run"]["kind"] == "linear" and damped
+
+
+def _has_left(tree: Tree, relation: str, found: Difference) -> bool:
+    """A vehicle that has left the line moves on in one engine, and stands beyond the end in another."""
+    leaves = any(load.get("travel", {}).get("at_end") == "leave" for load in tree["loads"].values())
+    return leaves and found.what.startswith("body_position")
+
+
 KNOWN: tuple[Known, ...] = (
     Known("not-implemented-elsewhere", 2, "engines differ in what they support", _changes_engine),
+    Known(
+        "c-p3-17", 2, "loads meet in one engine, and pass each other in another", lambda t, r, d: "loads met" in d.what
+    ),
+    Known("vehicle-beyond-the-end", 3, "engines differ in where a vehicle is that has left its line", _has_left),
+    Known("undamped-strings", 2, "the closed form of a string has no damping", _leaves_damping_out),
     Known("coarse-steps", 2, "forces follow the last step, whose length depends on the output", _takes_coarse_steps),
 )
 

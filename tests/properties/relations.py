@@ -66,7 +66,7 @@ RELATIONS = (
     Relation("overhead line from the other end", 6, lambda tree: not _in_plan(tree) and bool(tree["loads"]),
              geometry.overhead_from_the_other_end),
     Relation("units", 2, _anything, geometry.units),
-    Relation("scaling", 3, lambda tree: bool(tree.get("lines")), geometry.scaling),
+    Relation("scaling", 3, geometry.scales, geometry.scaling),
     Relation("names and order", 3, _anything, geometry.names_and_order),
     Relation("two halves", 2, lambda tree: bool(wording.plain_forces(tree)), wording.halves),
     Relation("joined lines", 5, wording.splits, wording.joined_lines),
