@@ -40,11 +40,11 @@ def check_magnitudes(parts: Parts) -> Iterator[Finding]:
 
 def _of_line(line: Line, parts: Parts) -> Iterator[tuple[str, str, str, str]]:
     """What is wrong with a line: key, problem, value, remedy."""
-    if line.mass < LEAST_MASS:
+    if not isinstance(parts.run, Dynamic | Linear):
+        return
+    if line.mass < LEAST_MASS and not line.axial_stiffness:
         wrong, remedy = "is lighter than any line", f"check its unit; write at least {LEAST_MASS:g} kg/m"
         yield "mass", wrong, f"{line.mass:g} kg/m", remedy
-        return
-    if not isinstance(parts.run, Dynamic | Linear):
         return
     if line.drag > FASTEST_DECAY:
         remedy = f"write at most {FASTEST_DECAY:g} 1/s: beyond, nothing moves"

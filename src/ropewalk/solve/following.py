@@ -17,7 +17,8 @@ _LEAST = 1.0 / 4096.0
 # Part of the path that the first step may take where its turning counts: there is nothing to judge it by yet.
 FIRST = 1e-3
 _FINE = 20001  # instants among which the end of a path is looked for while speeds change
-_CLOSE = 2e-15  # part of a displacement by which loads stop before the end of their line: rounding must not pass it
+_CLOSE = 2e-15  # part of a displacement that counts as rounding
+_ROUNDINGS = 64  # steps of rounding by which an arrival may be too late
 
 
 class OnPath(Protocol):
@@ -142,8 +143,8 @@ class Mover(NamedTuple):
         """Return the time at which the load has left its line for good, or has stopped, s."""
         close = _CLOSE * max(abs(bound) for bound in (self.low, self.high, 0.0) if np.isfinite(bound))
         then, after = self.travelled(np.array([self.settled, self.settled + 1.0])).tolist()
-        bound = self.high - close if after > then else self.low + close
-        late = self.settled + max((bound - then) / (after - then), 0.0) if after != then else self.settled
+        bound = self.high if after > then else self.low
+        late = self._arrives(bound, then, after)
         times = np.append(np.linspace(0.0, self.settled, _FINE if self.settled else 1), late)
         place = self.travelled(times)
         inside = np.flatnonzero((place >= self.low - close) & (place <= self.high + close))
@@ -156,6 +157,22 @@ class Mover(NamedTuple):
             return float(np.interp(bound, place[pair][order], times[pair][order]))
         changes = np.flatnonzero(np.diff(place) != 0.0)
         return float(times[changes[-1] + 1]) if changes.size else 0.0
+
+
+    def _arrives(self, bound: float, then: float, after: float) -> float:
+        """Return the time at which a displacement is reached that rounding does not pass, s.
+
+        Args:
+            bound: the displacement, m.
+            then, after: displacements when the speed has settled and a second later, m.
+        """
+        late = self.settled + max((bound - then) / (after - then), 0.0) if after != then else self.settled
+        for _ in range(_ROUNDINGS if np.isfinite(late) else 0):
+            place = float(self.travelled(np.array([late]))[0])
+            if (place <= bound) if after > then else (place >= bound):
+                break
+            late = float(np.nextafter(late, self.settled))
+        return late
 
 
 def schedule(movers: Sequence[Mover]) -> tuple[Array, Array]:
