@@ -185,7 +185,8 @@ class Dynamic(Declaration):
 class Quasistatic(Declaration):
     """Quasi-static motion: the equilibrium for positions of the loads at equal steps of the load path.
 
-    The run ends when the last load has left its line or has stopped. The load path is the distance covered by the load
+    The run ends when the last load has left its line or has stopped; on plain ropes also where a load with `at_end:
+    refuse` comes to the end of its line. The load path is the distance covered by the load
     that is fastest at each time, among those still on their way.
     """
 

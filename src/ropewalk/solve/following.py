@@ -19,6 +19,7 @@ FIRST = 1e-3
 _FINE = 20001  # instants among which the end of a path is looked for while speeds change
 _CLOSE = 2e-15  # part of a displacement that counts as rounding
 _ROUNDINGS = 64  # steps of rounding by which an arrival may be too late
+_ARRIVED = 1e-9  # m, from the end of a line, where a load is at it
 
 
 class OnPath(Protocol):
@@ -138,6 +139,12 @@ class Mover(NamedTuple):
     low: float  # m, at which the last contact leaves the start of the line
     high: float  # m, at which the last contact leaves the end of the line
     settled: float = 0.0  # s, from which the speed is constant
+    refuses: bool = False  # whether the run ends where it would leave its line
+
+    def is_at_end(self, t: float) -> bool:
+        """Whether it is at an end of its line at a time in s."""
+        place = float(self.travelled(np.array([t]))[0])
+        return place <= self.low + _ARRIVED or place >= self.high - _ARRIVED
 
     def end(self) -> float:
         """Return the time at which the load has left its line for good, or has stopped, s."""
@@ -179,13 +186,15 @@ def schedule(movers: Sequence[Mover]) -> tuple[Array, Array]:
     """Return times, s, and the load path then, m, which rises, until all loads have left their lines or stopped.
 
     The load path is the distance covered by the load that is fastest at each time, among those not at their end yet:
-    it does not depend on the order of the loads.
+    it does not depend on the order of the loads. A load that must not leave its line ends the path there.
 
     Raises:
         EquilibriumError: no load moves.
     """
     ends = [mover.end() for mover in movers]
-    last, settled = max(ends, default=0.0), max((mover.settled for mover in movers), default=0.0)
+    refused = [end for mover, end in zip(movers, ends, strict=True) if mover.refuses and end and mover.is_at_end(end)]
+    last, settled = min(refused, default=max(ends, default=0.0)), max((m.settled for m in movers), default=0.0)
+    ends = [min(end, last) for end in ends]
     fine = np.linspace(0.0, min(last, settled), _FINE if settled else 1)
     times = np.unique(np.concatenate([fine, [0.0, last], ends]))
     steps = np.zeros(times.size - 1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ropewalk.mechanics.chain import STAY, Array
+from ropewalk.mechanics.chain import REFUSE, STAY, Array
 from ropewalk.mechanics.travelled import Travelled
 from ropewalk.model.axles import Axles
 from ropewalk.model.history import SpeedTable
@@ -67,7 +67,7 @@ def movers_of(setting: PreparedRun, measures: list[Measure], begin: Array) -> li
         behind = buffers(setting, measure, place, forward=False) if (speeds < 0.0).any() else np.inf
         least = _ARRIVED * float(setting.strands.links[measure.s] * setting.strands.h[measure.s])
         low, high = (way if way > least else 0.0 for way in (behind, ahead))
-        movers.append(Mover(course.at, -low, high, course.settled))
+        movers.append(Mover(course.at, -low, high, course.settled, bool(loads.at_end[k] == REFUSE)))
     names = [wheel.load for wheel in setting.wheels]
     for k in np.flatnonzero(loads.at_end == STAY).tolist():  # it stops as a whole, when its first wheel is at the end
         own = [mover for mover, name in zip(movers, names, strict=True) if name == names[k]]
