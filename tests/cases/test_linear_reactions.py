@@ -116,3 +116,10 @@ def _moved(line: dict[str, Any], load: dict[str, Any], how: dict[str, Any], spee
     travel = {"speed": speed, "from": start} | ({} if load.get("kind") == "axles" else {"at_end": "leave"})
     given = {"gravity": G, "lines": {"b": line}, "loads": {"w": {**own, "on": "b", "travel": travel}}, "run": how}
     return simulate(Scenario.model_validate(given)).reaction.values[..., 1]
+
+
+@pytest.mark.xfail(strict=True, reason="one engine, stage 2")
+def test_an_elastic_end_bears_a_force_in_the_last_element_with_all_geometry() -> None:
+    line = {**BEAM, "end_support": {"kind": "elastic", "stiffness": [1e9, 1e9]}}
+    found = run(line, {**LINEAR, "kind": "dynamic"}, start=9.8).reaction.values[-1, :, 1]
+    assert found == pytest.approx([20.0, 980.0], abs=10.0)  # 878 N at the end
