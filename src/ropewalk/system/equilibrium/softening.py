@@ -13,9 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array
 from ropewalk.solve import minimum
+from ropewalk.solve.search_budget import SearchBudgetError
 from ropewalk.solve.symmetric import Way
 from ropewalk.system.elements.structure import Structure
 
@@ -55,11 +57,16 @@ def stiffened(potential: Any, start: Array, load: float, way: Way) -> Iterator[A
         way: of solving, see `solve/symmetric.py`.
 
     Raises:
-        EquilibriumError: softer lines have none, either.
+        SearchBudgetError: that takes too long.
     """
     soft, near = copy(potential), start
     soft.approaches = lambda *_: iter(())
     for soft.structure in softened(potential.structure, load):
-        near = minimum.settle(soft, near, way)
+        try:
+            near = minimum.settle(soft, near, way)
+        except SearchBudgetError:
+            raise
+        except EquilibriumError:  # what has been found is closer all the same
+            break
     if near is not start:
         yield near

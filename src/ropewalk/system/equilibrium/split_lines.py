@@ -24,7 +24,7 @@ from ropewalk.errors import EquilibriumError
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.model.scenario import Scenario
 from ropewalk.solve.minimum import cause
-from ropewalk.solve.search_budget import search
+from ropewalk.solve.search_budget import SearchBudgetError, search
 from ropewalk.system.assembling.assembled import Assembled
 from ropewalk.system.assembling.assembly import assembled_of
 from ropewalk.system.assembling.laid import Laid, Over, lay
@@ -273,7 +273,12 @@ class SplitLines:
         """Equilibrium of lines that are much softer, then ever stiffer; the start where none is softer."""
         law, found = start.structure.runs.law, start
         for soft in softened(start.structure):
-            found = self._slipped(found.with_laws(soft.runs.law), friction)
+            try:
+                found = self._slipped(found.with_laws(soft.runs.law), friction)
+            except SearchBudgetError:
+                raise
+            except EquilibriumError:  # what has been found is closer all the same
+                break
         return found.with_laws(law)
 
     def _gone_on(self, near: SplitRest, forces: Sequence[LineForce], t: float) -> Iterator[SplitRest]:
