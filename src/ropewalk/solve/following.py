@@ -165,7 +165,6 @@ class Mover(NamedTuple):
         changes = np.flatnonzero(np.diff(place) != 0.0)
         return float(times[changes[-1] + 1]) if changes.size else 0.0
 
-
     def _arrives(self, bound: float, then: float, after: float) -> float:
         """Return the time at which a displacement is reached that rounding does not pass, s.
 
