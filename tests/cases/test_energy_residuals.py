@@ -79,6 +79,15 @@ def test_a_mass_on_a_slack_line_is_named_and_a_lower_speed_helps() -> None:
     assert share(run(mass(2.0, 1.0, mass=5.0), 1.0, **slack)) < 0.1 * share(fast)
 
 
+def test_a_mass_that_slides_by_itself_on_a_slack_line_has_no_speed_to_lower() -> None:
+    slack: dict[str, Any] = {"tension": None, "length": 10.8, "mass": 1.0, "elements": 40, "axial_stiffness": 1e6}
+    free = {"kind": "mass", "mass": 5.0, "travel": {"kind": "free", "from": 1.0, "speed": 8.0}}
+    fast = run(free, 1.0, **slack)
+    assert "the line is slack at load w" in reported(fast)
+    end = float(reported(fast).partition("(loads.w.travel); end the run before t = ")[2].removesuffix(" s"))
+    assert share(run(free, end, **slack)) < 0.1 * share(fast)
+
+
 def test_a_line_in_compression_is_named_and_damping_or_elements_help() -> None:
     force = {"kind": "force", "force": [0.0, -100.0], "travel": {"speed": 20.0, "from": 3.0}}
     plain, damped, fine = (
