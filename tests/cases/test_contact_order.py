@@ -90,3 +90,13 @@ def test_bodies_that_keep_their_order_are_not_named() -> None:
     assert "pass each other" not in found.doubts
     assert "come closer" not in found.doubts
     assert np.diff(found.contact_position.values[-1, :2, 0])[0] == pytest.approx(3.0, abs=0.01)  # it hardly bends
+
+
+def test_masses_that_run_by_themselves_cannot_be_forces() -> None:
+    free = {
+        name: {"kind": "mass", "mass": 5, "on": "b", "travel": {"kind": "free", "from": start, "speed": speed}}
+        for name, start, speed in (("one", 5, 8), ("two", 10, 0))
+    }
+    found = run({**ROPE, "end": [30, 8], "bending_stiffness": 100}, free, 1.0)
+    assert "loads one and two pass each other between t = " in found.doubts
+    assert "kind: force" not in found.doubts

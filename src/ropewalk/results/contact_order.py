@@ -82,5 +82,10 @@ class ContactOrderWatch:
                 yield Doubt(what, cause, f"loads.{two}.travel.at_end", f"write at_end: leave, or {earlier}")
             else:
                 what, cause = f"loads {one} and {two} pass each other {when}", f"what has a mass cannot pass along {on}"
-                remedy = f"{earlier}, change from or speed, or write kind: force (contact: clamped) with its weight"
-                yield Doubt(what, cause, f"loads.{two}.travel", f"{remedy} for both")
+                kinds = {
+                    getattr(getattr(self._scenario.loads[name], "travel", None), "kind", "") for name in (one, two)
+                }
+                remedy = f"{earlier}, or change from or speed"
+                if "free" not in kinds:
+                    remedy += ", or write kind: force (contact: clamped) with its weight for both"
+                yield Doubt(what, cause, f"loads.{two}.travel", remedy)
