@@ -120,3 +120,22 @@ def test_coordinates_of_matrices_are_at_the_point_of_their_travel(line: str) -> 
         assert box == pytest.approx(0.5 * (found["front"] + found["rear"]), abs=1e-9)
         places.append(box)
     assert places[0] == pytest.approx(places[1], abs=1e-9)
+
+
+@pytest.mark.parametrize("speed", [10.0, -10.0])
+@pytest.mark.parametrize("line", LINES)
+def test_a_body_without_wheels_on_its_line_is_beyond_the_end_or_nowhere(line: str, speed: float) -> None:
+    """It is nowhere where nothing moves its wheels on."""
+    start, end, length = COURSES["-x"]
+    own = car({"front": 1.0, "rear": -1.0}, speed, start=9.0 if speed > 0 else 3.0)
+    tree: dict[str, Any] = {
+        "lines": {"s": {"start": start, "end": end, "length": length, **LINES[line]}}, "loads": {"car": own},
+        "run": {"kind": "dynamic", "until": 0.6, "every": 0.1},
+    }  # fmt: skip
+    if line == "system":
+        tree["wind"] = {"speed": 0.1, "direction": [0, 1]}
+    found = simulate(Scenario.model_validate(tree))
+    x, off = found.body_position.values[:, 0, 0], (found.contact_state == 0).all(axis=1).values
+    assert off.any()
+    assert np.isfinite(x[~off]).all()
+    assert np.isnan(x[off]).all() or ((x[off] < -12.0) if speed > 0 else (x[off] > 0.0)).all()

@@ -193,10 +193,15 @@ class EnergyWatch:
         i = int(of["speed"].argmax())
         k, times = int(of["fastest"][i]), float(of["speed"][i])
         name, key = self._layout.contact_load[k], f"loads.{self._loads[k]}.travel.speed"
+        if getattr(getattr(self._scenario.loads.get(self._loads[k]), "travel", None), "kind", "") == "free":
+            key, remedy = f"loads.{self._loads[k]}.travel", f"end the run before t = {self._since(of):.4g} s"
+            more = f"{remedy}, or write more tension"
+        else:
+            remedy, more = "write a lower speed", "write a lower speed, or more tension"
         if times > SLACK:
-            return f"the line is slack at load {name} {when}", key, "write a lower speed"
+            return f"the line is slack at load {name} {when}", key, remedy
         cause = f"load {name} moves at {times:.3g} times the speed of transverse waves {when}"
-        return cause, key, "write a lower speed, or more tension"
+        return cause, key, more
 
     def _pushing(self, of: dict[str, Array], mostly: Callable[[Booleans], bool], when: str) -> Cause | None:
         pushed = of["compression"] > _PUSHED

@@ -57,7 +57,7 @@ def _name(shape: Array, axes: tuple[Array, Array, Array], lines: Array, names: l
     moving = max(names, key=lambda name: float((parts[k][lines == name] ** 2).sum()))
     if not _is_line(place[lines == moving]):
         return ("vertical" if direction == "vertical" else "level") + (f", {moving}" if len(names) > 1 else "")
-    if direction == "vertical" and _is_torsional(parts[k], place):
+    if direction == "vertical" and _is_torsional(parts[k], place, place[lines == moving]):
         direction = "torsional"
     count = _half_waves(parts[k][lines == moving])
     waves = f"{count} half-wave{'s' if count > 1 else ''}"
@@ -84,14 +84,17 @@ def _is_line(place: Array) -> bool:
     return steps.size > 0 and bool(steps.max() <= _APART * np.median(steps))
 
 
-def _is_torsional(vertical: Array, place: Array) -> bool:
-    """Whether nodes at one place along x move in opposite directions on both sides, more than together."""
+def _is_torsional(vertical: Array, place: Array, line: Array) -> bool:
+    """Whether nodes at one place along a line move in opposite directions on both sides, more than together."""
     extent = float(np.ptp(place, axis=0).max())
     together, apart = 0.0, 0.0
-    station = np.round(place[:, 0] / (_SAME * extent))
+    way = (line[-1] - line[0])[:2]
+    level = float(np.hypot(*way))
+    c, s = way / level if level > _SAME * extent else (1.0, 0.0)
+    station, aside = np.round((c * place[:, 0] + s * place[:, 1]) / (_SAME * extent)), c * place[:, 1] - s * place[:, 0]
     for x in np.unique(station):
         own = np.flatnonzero(station == x)
-        if np.ptp(place[own, 1]) > _SAME * extent:
+        if np.ptp(aside[own]) > _SAME * extent:
             mean = vertical[own].mean()
             together += own.size * mean**2
             apart += float(((vertical[own] - mean) ** 2).sum())

@@ -13,6 +13,8 @@ from ropewalk.results.frame import IN_AIR, Array
 if TYPE_CHECKING:
     import xarray as xr
 
+_STEEP = 0.02  # level over straight length of a chord: below, its line hangs, and has no sag
+
 
 class Distances(NamedTuple):
     """How far points of a line are from its chord."""
@@ -32,14 +34,14 @@ def sag(dataset: xr.Dataset, line: str) -> Distances:
         line: name of the line.
 
     Returns:
-        Of nodes, then of contacts; positive below the chord, NaN where the chord is vertical.
+        Of nodes, then of contacts; positive below the chord, NaN where the chord is vertical to within 1 degree.
     """
     place, xi = _nodes(dataset, line)
     away = place - place[:, :1]
     run, along = _onward(away, away)
     rise, z = away[:, -1:, -1], place[..., -1]
     with np.errstate(divide="ignore", invalid="ignore"):
-        slope = np.where(run > 1e-9 * np.hypot(run, rise), rise / run, np.nan)
+        slope = np.where(run > _STEEP * np.hypot(run, rise), rise / run, np.nan)
     height = chord_height(dataset, line, place, along)
     spots, at = _contacts(dataset, line)
     _, there = _onward(spots - place[:, :1], away)

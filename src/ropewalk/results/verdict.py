@@ -16,6 +16,7 @@ from ropewalk.results.audit import ROUNDING
 from ropewalk.results.axial_restraint import AxialRestraintWatch
 from ropewalk.results.calm import started_too_close
 from ropewalk.results.close_contacts import CloseContactsWatch
+from ropewalk.results.contact_order import ContactOrderWatch
 from ropewalk.results.energy_balance import RESIDUAL, EnergyWatch
 from ropewalk.results.foundation_step import phase_warnings
 from ropewalk.results.frame import OFF_LINE, Array, Doubt, Frame, Layout, RunInfo
@@ -72,6 +73,7 @@ class Watch:
         self._energy = EnergyWatch(layout, scenario, self._attachments)
         self._watches = tuple(watch(layout, scenario) for watch in WATCHES)
         self._lifted_rope, self._close = LiftedRopeWatch(layout, scenario), CloseContactsWatch(layout, scenario)
+        self._order = ContactOrderWatch(layout, scenario)
         self._force = array("d")  # on the line, of each sample and contact, N
         self._instants = array("d")  # of these samples, s
         self._tension = array("d")  # largest, of each frame, N
@@ -88,7 +90,7 @@ class Watch:
         for i in range(len(frames) if self.layout.path == "load_path" else int(not self._times)):
             self._rest(frames[i], on[i])
         self._strengths.see(frames)
-        for watch in (*self._watches, self._lifted_rope, self._close):
+        for watch in (*self._watches, self._lifted_rope, self._close, self._order):
             watch.see(frames)
         self._been |= on.any(axis=0)
         self._attachments.see(frames)
@@ -126,6 +128,7 @@ class Watch:
         yield from self._strengths.doubts()
         yield from self._lifted_rope.doubts()
         yield from self._close.doubts(run_info)
+        yield from self._order.doubts()
         if self.layout.path == "time":
             yield from (attached := list(self._attachments.doubts(force)))
             if not run_info.audit and len(self._times) > 1:

@@ -21,6 +21,8 @@ from ropewalk.solve.start import PreparedRun
 _SLACK = 1e-6
 # What a wheel may take with it when it leaves its line, as a part of the moving and the elastic energy.
 _PARTING = 0.02
+# More links than these are no remedy.
+_MOST_LINKS = 10_000
 
 
 class Diagnostics:
@@ -89,11 +91,17 @@ def in_one_link(setting: PreparedRun) -> list[str]:
         pairs = [(round(abs(float(setting.xi[j] - setting.xi[k])), 9), j, k) for j, k in combinations(known, 2)]
         gap, j, k = min(pairs, default=(math.inf, 0, 0))
         if gap < h * (1.0 - 1e-9):
-            enough = f"lines.{line}.elements (now {links}) to {math.ceil(links * h / gap):d}" if gap > 0.0 else ""
+            one, two = setting.wheels[j].name, setting.wheels[k].name
+            more = math.ceil(links * h / gap) if gap > 0.0 else _MOST_LINKS + 1
+            remedy = f"; raise lines.{line}.elements (now {links}) to {more:d}, or take it as it is"
+            if more > _MOST_LINKS:
+                remedy = (
+                    "; write one load with the sum of both" if one.partition(".")[0] != two.partition(".")[0] else ""
+                )
             found.append(
-                f"contacts {setting.wheels[j].name} and {setting.wheels[k].name} begin {gap:.3g} m apart, within one "
+                f"contacts {one} and {two} begin {gap:.3g} m apart, within one "
                 f"link of {line} ({h:.3g} m): between nodes a line bends nowhere but under loads with a place of their "
-                "own" + (f"; raise {enough}, or take it as it is" if enough else "")
+                f"own{remedy}"
             )
     return found
 

@@ -173,7 +173,7 @@ def _settle(potential: Potential, start: Array, way: Way) -> Array:
         if potential.energy(near) < potential.energy(lowest):
             lowest = near
     if not potential.is_symmetric:  # friction has no energy to go down by
-        raise EquilibriumError("no rest was found where lines rub: ask for more positions, or change a length a little")
+        raise EquilibriumError("no rest was found where lines rub: ask for more positions, or write friction: 0")
     return _downhill(potential, lowest, way)
 
 

@@ -229,7 +229,7 @@ def ties_springs(mesh: Mesh) -> tuple[Array, Array]:
 
 
 def hung(mesh: Mesh, position: Array) -> Array:
-    """Unstrained lengths of links with which wires of constant tension along x hang as they do, (node,) m.
+    """Unstrained lengths of links with which wires of constant level tension hang as they do, (node,) m.
 
     Args:
         position: (3, node) m at rest.
@@ -238,6 +238,6 @@ def hung(mesh: Mesh, position: Array) -> Array:
     for a, wire in enumerate(mesh.plan.wires):
         part = mesh.of(a)
         step = np.diff(position[:, part], axis=1)
-        length = np.sqrt((step**2).sum(axis=0))
-        rest[part][:-1] = length / (1.0 + tension[part][:-1] * length / np.abs(step[0]) / wire.axial_stiffness)
+        length, level = np.sqrt((step**2).sum(axis=0)), np.hypot(step[0], step[1])
+        rest[part][:-1] = length / (1.0 + tension[part][:-1] * length / level / wire.axial_stiffness)
     return rest

@@ -54,7 +54,7 @@ _FAR = 0.4
 # The most that a shape goes on as it went before, over how far it went then.
 _ON = 2.0
 AT_SHEAVE = "a load has come to a sheave, which it cannot pass; let it stay beside it"
-RUN_OUT = "a line runs over a sheave up to its end, or to the next sheave; make it longer"
+RUN_OUT = "a line runs over a sheave up to its end, or to the next sheave; make it longer, or hold that end"
 
 
 class LineForce(NamedTuple):

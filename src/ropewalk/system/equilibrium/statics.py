@@ -489,7 +489,7 @@ class SystemPotential:
             np.zeros_like(r),
             np.zeros(WORKS),
         ):
-            raise EquilibriumError("a line runs over a sheave up to its end, or to the next sheave; make it longer")
+            raise EquilibriumError("a line runs over a sheave up to its end; make it longer, or hold that end")
         passed = bool((before != runs.links).any())
         if passed:
             self.divide()

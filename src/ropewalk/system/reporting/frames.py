@@ -358,12 +358,14 @@ class FrameBuilder:
             for k in body.others:
                 under[:, body.wheel] = np.where(on[:, k] & ~on[:, body.wheel], own[k], under[:, body.wheel])
             onward = onward_of(self.assembled, self._contact_lines[body.wheel])
+            sides = [body.wheel, *body.others, *(k for k, _, _ in body.between)]
             for a, c in enumerate(body.coordinates):
                 if c >= 0:
                     out[:, :, i, a] = at.u[:, places + c], at.w[:, places + c]
                 elif c != MIDDLE:
                     for values, found, way in ((at.u, out[0], float(onward[a])), (at.w, out[1], 0.0)):
                         found[:, i, a] = body.locate(values[every[:, None], under + a], on, way)
+                        found[~on[:, sides].any(axis=1), i, a] = np.nan  # no wheel is moved on
         return out[0], out[1]
 
     def _energy(self, at: SystemNote, *, still: bool) -> Array:
