@@ -96,6 +96,17 @@ def test_the_remedy_of_that_helps(structure: str, load: dict[str, Any], travel: 
     assert "Energy residual" not in result.attrs["warnings"]
 
 
+def test_a_line_towards_minus_x_is_to_be_exchanged_first_and_one_along_y_has_no_such_remedy() -> None:
+    back = {**MASS, "travel": TRAVEL}
+    (found, *_) = doubts(over("clamp", back, start=[100, 0], end=[0, 0]))
+    assert "horizontal distance), and exchange start and end of rope, with their supports" in found
+    result = over("clamp", {**MASS, "travel": {**HORIZONTAL, "speed": -1.0, "from": 50.35}})  # which is this line
+    assert (result.attrs["outcome"], doubts(result)) == ("completed", [])
+    (found, *_) = doubts(over("clamp", back, start=[0, 0, 0], end=[0, 100, 0]))
+    assert "horizontal" not in found
+    assert "write travel.kind: free with travel.driver" in found
+
+
 @pytest.mark.parametrize(
     "support",
     [{"kind": "elastic", "stiffness": 1e6}, {"kind": "guided", "along": [1, 0]},

@@ -61,6 +61,7 @@ def test_every_run_and_direction_names_the_supports(run: dict[str, Any], end: li
         ({"start_support": {"kind": "fixed", "clamped": True}}, True),
         ({"bending_stiffness": 1.05e12}, False),  # it hardly deflects
         ({"length": None, "tension": 1e6}, False),  # tension is intended
+        ({"length": None, "tension": 1e3}, True),  # of 100 kN that bending bears
         ({"length": 10.2}, False),  # sag is intended
         ({"foundation": 1e8}, False),  # the bed bears
     ],
@@ -81,7 +82,7 @@ def test_piers_are_named_and_slide() -> None:
     force = {**FORCE, "force": [0, -480e3], "travel": {"speed": 1.0, "from": 2.5}}
     text = held(answer({"b": {**BEAM, "supports": {"pier": pier}}}, loads={"f": force}))
     assert "lines.b.start_support, lines.b.end_support, lines.b.supports.pier" in text
-    assert "instead of lines.b.end_support and of lines.b.supports.pier" in text
+    assert "instead of lines.b.end_support and of lines.b.supports.pier, whose at stays" in text
     slides = {**BEAM, "supports": {"pier": roller}, "end_support": SLIDES}
     assert not held(answer({"b": slides}, loads={"f": force}))
 

@@ -7,9 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy.optimize import brentq
 
 import ropewalk
+from ropewalk.model import Scenario
 from ropewalk.results import summary
 from ropewalk.scenario import load
 
@@ -85,3 +87,41 @@ def test_a_rope_found_below_its_saddle_is_doubtful_until_links_are_short_enough(
     own = found(name="b-ropeway-as-asked", elements=elements)
     assert own["outcome"] == "completed"
     assert own["supports"]["track.tower 1"]["value"] == pytest.approx(154e3, rel=0.01)  # 200 elements: 154.2 kN
+
+
+SLACK = {"start": [0, 0], "end": [240, 30], "mass": 8.0, "axial_stiffness": 100e6, "elements": 240}
+ONE, TWO = {"a": [80, 20]}, {"a": [80, 10], "b": [160, 15]}
+
+
+def slack(crowns: dict, length: float, radius: float = 8.0, load: float = 0.0, **run: object) -> xr.Dataset:
+    saddles = {name: {"at": at, "radius": radius} for name, at in crowns.items()}
+    travel = {"speed": 2.0, "from": 120.0}
+    loads = {"loads": {"m": {"kind": "mass", "on": "track", "mass": load, "travel": travel}}} if load else {}
+    line = {**SLACK, "length": length, "saddles": saddles}
+    return ropewalk.simulate(
+        Scenario.model_validate({"lines": {"track": line}, **loads, "run": run or {"kind": "equilibrium"}})
+    )
+
+
+@pytest.mark.parametrize(
+    ("crowns", "length", "run"),
+    [(ONE, 246.0, {}), (TWO, 243.0, {}), (TWO, 243.0, {"kind": "dynamic", "until": 0.02, "every": 0.01})],
+    ids=["one", "two", "dynamic"],
+)
+def test_a_slack_rope_between_fixed_ends_lies_on_its_saddles(crowns, length, run):
+    result = slack(crowns, length, **run)
+    x, z = result["position"].values[0].T
+    for at in crowns.values():
+        assert np.interp(at[0], x, z) == pytest.approx(at[1], abs=0.05)  # straight links over a groove
+    assert result.attrs["outcome"] == "completed"
+    assert 19e3 < result["tension"].values.max() < 25e3  # as over sheaves at the crowns: 20.3 and 22.4 kN, not 1.3 MN
+
+
+def test_a_rope_that_its_load_pulls_past_fine_saddles_lies_on_larger_ones():
+    high = {"a": [80, 20], "b": [160, 30]}
+    doubts = summary(slack(high, 245.0, load=3e3))["doubts"]
+    assert all("the search for its equilibrium has passed the saddle" in doubt for doubt in doubts)
+    radius = float(re.search(r"saddles.a.radius: ([\d.]+) m", doubts[0])[1])
+    own = summary(slack(high, 245.0, radius, load=3e3))
+    assert own["outcome"] == "completed"
+    assert not own["doubts"]

@@ -67,6 +67,12 @@ def test_what_begins_in_equilibrium_in_the_wind_stays_there(name: str) -> None:
     assert not warned(steady)
 
 
+def test_a_breeze_that_hardly_moves_a_line_is_not_said_to_act_suddenly() -> None:
+    ask = {"kind": "dynamic", "until": 0.2, "every": 0.1}
+    for speed, named in ((0.3, False), (1.0, True)):  # 0.3 and 3.7 thousandths of the weight
+        assert warned(run(STRUCTURES["rope"], run=ask, wind={**WIND, "speed": speed})) == named
+
+
 def test_loads_rest_in_the_wind_too() -> None:
     loads = {"w": {"kind": "mass", "on": "a", "mass": 20.0, "air_drag": 0.5, "travel": {"speed": 0.0, "from": 10.1}}}
     ask = {"kind": "dynamic", "until": 0.4, "every": 0.1, "start": {"in_wind": True, "with_loads": True}}

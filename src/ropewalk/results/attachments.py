@@ -194,11 +194,16 @@ class AttachmentWatch:
         wheels = getattr(load, "wheels", {}).values()
         soft = any(getattr(each, "contact_stiffness", None) is not None for each in (load, *wheels))
         free = f"write {_DRIVER}" if load.kind in _MAY_BE_FREE else ""
-        if load.travel.measured != "horizontal":
+        line, horizontal = self._scenario.lines[load.on], load.travel.measured == "horizontal"
+        if not horizontal and line.start[0] != line.end[0]:
             more = " and leave contact_stiffness out" if soft else ""
+            if line.end[0] < line.start[0]:
+                more += f", and exchange start and end of {load.on}, with their supports and all that counts along it"
             remedy = f"write travel.measured: horizontal (travel.from becomes a horizontal distance){more}"
             return f"{remedy}, or {free}" if free else remedy
-        return "leave contact_stiffness out" if soft else free or f"give lines.{load.on} a bending_stiffness"
+        if soft and horizontal:
+            return "leave contact_stiffness out"
+        return free or f"give lines.{load.on} a bending_stiffness"
 
 
 def _typical(force: Array) -> float:

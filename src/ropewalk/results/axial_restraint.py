@@ -67,9 +67,12 @@ class AxialRestraintWatch:
 
 
 def _is_untensioned(line: Line) -> bool:
-    """Return whether a line has bending stiffness, and neither tension nor sag where nothing acts on it."""
-    straight = line.length is not None and abs(line.length - line.distance) <= _STRAIGHT * line.distance
-    return bool(line.bending_stiffness) and straight and not line.sheaves and not line.saddles
+    """Return whether a line has bending stiffness, and neither a notable tension nor sag where nothing acts on it."""
+    if not line.bending_stiffness or line.sheaves or line.saddles:
+        return False
+    if line.length is None:
+        return (line.tension or 0.0) < _MUCH * _bending(line)
+    return abs(line.length - line.distance) <= _STRAIGHT * line.distance
 
 
 def _bending(line: Line) -> float:
@@ -111,4 +114,5 @@ def _remedy(line: Line, holders: list[tuple[str, bool]]) -> str:
         )
     along = ", ".join(f"{b - a:.6g}" for a, b in zip(line.start, line.end, strict=True))
     rails = " and of ".join(free[1 - len(holders) :] if len(free) == len(holders) else free)
-    return f"where they may slide, write {{kind: guided, along: [{along}]}} instead of {rails}"
+    kept = ", whose at stays" if "supports." in rails else ""
+    return f"where they may slide, write {{kind: guided, along: [{along}]}} instead of {rails}{kept}"

@@ -91,4 +91,8 @@ class LiftedRopeWatch:
                 count = max(math.ceil(_LINKS * length / radius), 2 * links)
                 what = f"line {name} is {-gap:.4g} m below the crown of saddle {key} at {self._at(when)}, untouched"
                 cause = f"links of {length / links:.3g} m are too long for its groove of radius {radius:.4g} m"
-                yield Doubt(what, cause, f"lines.{name}.elements", f"write lines.{name}.elements: {count} or more")
+                where, remedy = f"lines.{name}.elements", f"write lines.{name}.elements: {count} or more"
+                if links * radius >= _LINKS * length:
+                    cause, where = "the search for its equilibrium has passed the saddle", f"lines.{name}.saddles.{key}"
+                    remedy = f"write {where}.radius: {2.0 * radius:.4g} m for all of its saddles, or other elements"
+                yield Doubt(what, cause, where, remedy)

@@ -26,13 +26,15 @@ _LEAST, _FACTOR = 5.0, 5.0
 
 
 def softened(structure: Structure, load: float = 0.0) -> Iterator[Structure]:
-    """Yield a structure with softer lines, on saddles that are as much softer, ever stiffer; none where all are soft.
+    """Yield a structure with softer lines, ever stiffer; none where all are soft, or run over saddles (they pass them).
 
     Args:
         structure: whose lines these are; those that bend stay.
         load: N, of what stands on them.
     """
-    runs, restraints, saddles = structure.runs, structure.restraints, structure.saddles
+    runs, restraints = structure.runs, structure.restraints
+    if structure.saddles is not None:
+        return
     least = _LEAST * (load + float(np.abs(structure.nodes.force).sum() + np.abs(restraints.force).sum()))
     stiffness = np.array([law.tangent(row, 1e-9) for row in runs.law])
     soft = (runs.law[:, 0] != law.RIGID) & (runs.law[:, 0] != law.TABLE) & (runs.bending == 0.0) & (stiffness > least)
@@ -40,10 +42,7 @@ def softened(structure: Structure, load: float = 0.0) -> Iterator[Structure]:
         part = np.where(soft, np.minimum(least / np.where(soft, stiffness, 1.0), 1.0), 1.0)
         rows = runs.law.copy()
         rows[:, 2:] *= part[:, None]
-        yield structure._replace(
-            runs=runs._replace(law=rows),
-            saddles=None if saddles is None else saddles._replace(k=float(part.min()) * saddles.k),
-        )
+        yield structure._replace(runs=runs._replace(law=rows))
         least *= _FACTOR
 
 
