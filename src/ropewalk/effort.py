@@ -134,7 +134,7 @@ def _prepared(scenario: Scenario) -> tuple[str, list[str]]:
         return f"a motion of {nodes} nodes, whose steps are found when it begins", []
     if how_long := must_compile(scenario):
         return (
-            f"a motion; steps and time are known once its kernels are compiled (once for each kind, {how_long})",
+            f"a motion; steps and time are estimated when its kernels are compiled (once for each kind, {how_long})",
             [],
         )
     run_info = RunInfo()

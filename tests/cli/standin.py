@@ -60,6 +60,7 @@ SIMULATE = ModuleType("ropewalk.simulate")
 SIMULATE.simulate = simulate
 SIMULATE.must_compile = lambda scenario: ""
 SIMULATE.run_of = lambda scenario, run_info: None
+SIMULATE.sample_warnings = lambda scenario: []
 PAPER = ModuleType("ropewalk.paper")
 PAPER.AVAILABLE = [3, 4, "table-1"]
 PAPER.figures = figures

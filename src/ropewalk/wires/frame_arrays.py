@@ -91,8 +91,9 @@ class Pictures:
             assert isinstance(motion, SmallMotion)
             corrected = mesh._replace(strands=mesh.strands._replace(stiffness=motion.stencil.bending))
             self._end_stiffness = vertical_stiffness(corrected)[ends]
+            at_rest = (self._end_stiffness - vertical_stiffness(mesh)[ends]) @ motion.level  # which is not corrected
             self._late = np.repeat(mesh.strands.retardation, links + 1)
-            self._risen = (beds(mesh) * mesh.straight()[2])[ends]
+            self._risen = (beds(mesh) * mesh.straight()[2])[ends] + at_rest
             self._end_weight = task.plan.gravity * mesh.mass[ends]
             self._strained = mesh.tension[self._links] / self._stiffness
 
