@@ -1,8 +1,10 @@
 """`ropewalk` and `python -m ropewalk` are the command line."""
 
 import gc
+import os
 import sys
 import warnings
+from contextlib import suppress
 from typing import Any, NoReturn
 
 from ropewalk.errors import printable_lines
@@ -38,9 +40,13 @@ def main() -> None:
 
 
 def _end_interrupted(text: bool) -> NoReturn:
+    """End the process at once: libraries that were interrupted within a call may crash when they are torn down."""
     if not text:
         print("interrupted", file=sys.stderr)
-    sys.exit(EXIT_CODE)
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError):
+            stream.flush()
+    os._exit(EXIT_CODE)
 
 
 def _warn(message: Warning | str, *_: Any, **__: Any) -> None:

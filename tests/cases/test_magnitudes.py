@@ -58,7 +58,7 @@ DYNAMIC = {"kind": "dynamic", "until": 0.1}
 @pytest.mark.parametrize(
     ("key", "value", "run"),
     [
-        ("mass", 1e-30, DYNAMIC), ("mass", 1e-10, {"kind": "equilibrium"}),
+        ("mass", 1e-30, DYNAMIC), ("mass", 1e-12, DYNAMIC),
         ("mass", 1e-12, {"kind": "linear", "until": 1}),
         ("axial_stiffness", 1e18, DYNAMIC), ("axial_stiffness", 1e30, DYNAMIC), ("axial_damping", 1e12, DYNAMIC),
         ("axial_damping", 1e30, DYNAMIC), ("axial_damping", 1e10, DYNAMIC), ("drag", 1e30, DYNAMIC),
@@ -78,6 +78,10 @@ def test_absurd_numbers_of_lines_are_refused_in_all_runs_that_need_them(
 @pytest.mark.parametrize("line", [{}, {"mass": 1e-4}, {"axial_damping": 1e5}, {"axial_stiffness": 1e9}, {"drag": 1e3}])
 def test_unusual_numbers_are_not(line: dict[str, Any]) -> None:
     Scenario.model_validate({"lines": {"s": ROPE | line}, "run": DYNAMIC})
+
+
+def test_an_equilibrium_may_have_lines_with_next_to_no_mass() -> None:
+    Scenario.model_validate({"lines": {"s": ROPE | {"mass": 1e-16}}, "run": {"kind": "equilibrium"}})
 
 
 def test_a_step_that_makes_countless_steps_is_refused() -> None:

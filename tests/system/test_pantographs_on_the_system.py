@@ -142,8 +142,12 @@ def superposed(asked: Scenario, **run: Any) -> tuple[list[Any], RunInfo]:
 
 
 def test_modes_move_as_small_motion_does_step_by_step() -> None:
-    """Below bars, from where the wire comes down so that contact stays; ties turn, which is of the second order."""
-    load = {"ramp": 0.1, "static_force": "60 N", "travel": {"speed": 20.0, "from": 15.5}}
+    """Below bars, from where the wire comes down so that contact stays; ties turn, which is of the second order.
+
+    Not from a node, 15.5 m: without a force yet, rounding decides there whether implicit steps begin in contact, and
+    with some kernels of OpenBLAS they end as diverged.
+    """
+    load = {"ramp": 0.1, "static_force": "60 N", "travel": {"speed": 20.0, "from": 15.6}}
     asked = scenario(BARS, load, method="implicit", geometry="linearised", accuracy=1e-6, until=0.3)
     steps, (modes, run_info) = simulate(asked), superposed(asked)
     assert not run_info.doubts

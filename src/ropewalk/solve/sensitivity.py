@@ -118,13 +118,10 @@ class Rests:
             NotBesideError: see `settle`.
         """
         if not self._again:
-            token = _PRESENT.set(None)  # those on the way to it do not count
-            try:
+            with not_noted():
                 x = found()
                 step = _ROOT * x
                 slope = (miss(x + step) - miss(x - step)) / (2.0 * step)
-            finally:
-                _PRESENT.reset(token)
             if not slope != 0.0:
                 raise NotBesideError("a root does not follow from its slope")
             self.noted.append(Noted(np.array([x]), lambda out: -out / slope, _ROUNDING * abs(x)))
@@ -144,6 +141,16 @@ class Rests:
 
 
 _PRESENT: ContextVar[Rests | None] = ContextVar("rests", default=None)
+
+
+@contextmanager
+def not_noted() -> Iterator[None]:
+    """Solve for equilibria that are neither noted nor taken from another run: those of other structures on the way."""
+    token = _PRESENT.set(None)
+    try:
+        yield
+    finally:
+        _PRESENT.reset(token)
 
 
 def present() -> Rests | None:

@@ -38,6 +38,7 @@ _INTERVAL = "interval of "
 # What counts broken limits, and the text beside it that names them, in the entries of a summary that judge.
 _COUNT, _NAMES, _JUDGED = "limits.failures", "limits.broken", frozenset({"pantographs"})
 _OF_ALL = {"contact_force": "contacts.*.force.magnitude"}
+_ALMOST = 0.9  # how much of a misprinted measure has to agree
 _ALIKE, _ALIKE_IF_SHORT, _SHORT = 0.8, 0.66, 4  # how much of two words has to agree; of those of few letters less
 _NONE = "a run of this kind has no such quantity"
 _FORM = "write a name of the summary, or max, min, mean or std of one or of a column of the table of series"
@@ -258,8 +259,13 @@ def _remedy(name: str, known: Sequence[str]) -> str:
 
 
 def _words(name: str) -> list[str]:
-    """Words of a name, without those of its measure."""
-    return [word for word in re.split(r"[\s._]+", name.lower()) if word and word not in {*_MEASURES, *_SAME}]
+    """Words of a name, without those of its measure, misprinted or not."""
+    return [word for word in re.split(r"[\s._]+", name.lower()) if word and not _is_measure(word)]
+
+
+def _is_measure(word: str) -> bool:
+    likeness = max(SequenceMatcher(None, word, measure).ratio() for measure in (*_MEASURES, *_SAME))
+    return likeness >= (_ALMOST if len(word) > _SHORT else 1.0)
 
 
 def _is_alike(word: str, others: Sequence[str]) -> bool:

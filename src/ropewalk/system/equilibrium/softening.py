@@ -18,6 +18,7 @@ from ropewalk.mechanics import law
 from ropewalk.mechanics.chain import Array
 from ropewalk.solve import minimum
 from ropewalk.solve.search_budget import SearchBudgetError
+from ropewalk.solve.sensitivity import not_noted
 from ropewalk.solve.symmetric import Way
 from ropewalk.system.elements.structure import Structure
 
@@ -62,7 +63,8 @@ def stiffened(potential: Any, start: Array, load: float, way: Way) -> Iterator[A
     soft.approaches = lambda *_: iter(())
     for soft.structure in softened(potential.structure, load):
         try:
-            near = minimum.settle(soft, near, way)
+            with not_noted():
+                near = minimum.settle(soft, near, way)
         except SearchBudgetError:
             raise
         except EquilibriumError:  # what has been found is closer all the same

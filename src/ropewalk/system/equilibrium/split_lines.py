@@ -25,6 +25,7 @@ from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.model.scenario import Scenario
 from ropewalk.solve.minimum import cause
 from ropewalk.solve.search_budget import SearchBudgetError, search
+from ropewalk.solve.sensitivity import not_noted
 from ropewalk.system.assembling.assembled import Assembled
 from ropewalk.system.assembling.assembly import assembled_of
 from ropewalk.system.assembling.laid import Laid, Over, lay
@@ -274,7 +275,8 @@ class SplitLines:
         law, found = start.structure.runs.law, start
         for soft in softened(start.structure):
             try:
-                found = self._slipped(found.with_laws(soft.runs.law), friction)
+                with not_noted():
+                    found = self._slipped(found.with_laws(soft.runs.law), friction)
             except SearchBudgetError:
                 raise
             except EquilibriumError:  # what has been found is closer all the same
