@@ -135,13 +135,20 @@ ADDITIONS = {
 }  # fmt: skip
 
 
+def _is_joined(line: Tree) -> bool:
+    return any(line.get(end, {}).get("kind") == "joined" for end in ("start_support", "end_support"))
+
+
 def addition(tree: Tree, rng: Random) -> tuple[str, Tree]:
     """Return a scenario with something more that has no effect, and its name."""
     names = list(ADDITIONS)
     if "rope" not in tree.get("lines", {}) or any(len(line["start"]) == 3 for line in tree["lines"].values()):
         names = ["rope far away", "stiff line far away"]
-    if not tree["loads"] or tree["run"]["kind"] != "dynamic":
+    speeds = [load.get("travel", {}).get("speed") for load in tree["loads"].values()]
+    if not all(speeds) or not speeds or tree["run"]["kind"] != "dynamic":  # which need loads that move
         names = [name for name in names if not name.startswith("static")]
+    if any({"sheaves", "saddles"} & set(line) or _is_joined(line) for line in tree.get("lines", {}).values()):
+        names = [name for name in names if not name.startswith("spring")]  # inner supports are not for such lines
     if tree["run"]["kind"] == "quasistatic":
         names.remove("force of 0 N") if "force of 0 N" in names else None
     name = rng.choice(names)
