@@ -34,7 +34,7 @@ MODEST = 0.02
 
 FORCES = ("tension", "reaction", "contact_force")
 RINGING = 20.0
-"""By which forces of motions are compared more roughly: they repeat the residual of the equilibrium at the start."""
+"""By which forces of motions, and their work, are compared more roughly: they repeat the residual of the equilibrium at the start."""
 
 PLACES = ("position", "contact_position", "body_position")
 STATIC = tuple(name for name in OWNERS if name != "energy")
@@ -110,7 +110,7 @@ def _differences(sides: Sides) -> Iterable[Difference]:
             if key[0] == "energy":  # its zero moves with the scenario
                 a, b = a - a[0], b - b[0]
             apart = float(np.nanmax(np.abs(a - b))) / scales[key[0]]
-            allowed = sides.tolerance * (RINGING if key[0] in FORCES and ("time", "") in left else 1.0)
+            allowed = sides.tolerance * (RINGING if key[0] in (*FORCES, "energy") and ("time", "") in left else 1.0)
             yield Difference(apart / allowed, f"{label} differs by {apart:.2g} of {scales[key[0]]:.3g}")
 
 
