@@ -34,7 +34,7 @@ MODEST = 0.02
 
 FORCES = ("tension", "reaction", "contact_force")
 RINGING = 20.0
-"""By which forces of motions, and their work, are compared more roughly: they repeat the residual of the equilibrium at the start."""
+"""By which forces of motions and their work are compared more roughly: they repeat the residual of the start."""
 
 PLACES = ("position", "contact_position", "body_position")
 STATIC = tuple(name for name in OWNERS if name != "energy")
