@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import ropewalk
+from ropewalk.scenario import loads
 
 TENSION = 8000.0
 
@@ -30,3 +31,15 @@ def test_a_cable_given_by_its_tension_has_it_whatever_its_direction(run: dict[st
     size = float(np.abs(ahead["position"].values[..., 1]).max())
     np.testing.assert_allclose(back["position"].values[..., 1], ahead["position"].values[..., 1], atol=1e-6 * size)
     np.testing.assert_allclose(back["tension"].values, ahead["tension"].values, rtol=1e-6)  # rounding of equilibria
+
+
+@pytest.mark.parametrize("end", [20.0, -20.0])
+def test_supports_of_a_linearised_taut_beam_pull_it_outwards(end: float) -> None:
+    text = f"""
+lines:
+  beam: {{start: [0, 0], end: [{end}, 0], tension: 10 kN, mass: 1.5, axial_stiffness: 2 MN,
+    bending_stiffness: 10 kN*m^2, elements: 16}}
+run: {{kind: dynamic, until: 1 ms, every: 1 ms, geometry: linearised}}
+"""
+    along = ropewalk.simulate(loads(text, "beam.yaml", [])).reaction.values[:, :, 0]
+    assert along[0] == pytest.approx([-1e4 * np.sign(end), 1e4 * np.sign(end)], rel=1e-9)

@@ -233,7 +233,8 @@ class Pictures:
         bare[..., 2] = self._risen - (self._end_stiffness @ (r[:, 2] + self._late * v[:, 2]).T).T
         bare[..., 2] += pressed - self._end_weight
         force = supports.of(bare, hold, tie, r)
-        force[:, : 2 * strands.first.size, 0] = np.stack([-strands.tension, strands.tension], axis=1).ravel()
+        along = np.sign(strands.across[:, 1]) * strands.tension  # towards +x or -x
+        force[:, : 2 * strands.first.size, 0] = np.stack([-along, along], axis=1).ravel()
         return force[..., self.axes]
 
 
