@@ -185,8 +185,9 @@ def _bodies(tree: Tree) -> list[str]:
 
 
 def has_body(tree: Tree) -> bool:
-    """Whether a load is a body that has other names, on a line."""
-    return bool(_bodies(tree)) and not tree.get("nets") and tree["run"]["kind"] in ("dynamic", "linear")
+    """Whether a load is a body that has other names, on level lines: on slopes an oscillator springs along, too."""
+    level = all(line["start"][-1] == line["end"][-1] for line in tree.get("lines", {}).values())
+    return bool(_bodies(tree)) and level and not tree.get("nets") and tree["run"]["kind"] in ("dynamic", "linear")
 
 
 def other_body(tree: Tree, rng: Random) -> Sides:
