@@ -98,17 +98,17 @@ def test_a_line_in_compression_is_named_and_damping_or_elements_help() -> None:
     assert max(share(damped), share(fine)) < 0.7 * share(plain)
 
 
-def test_a_residual_of_the_mesh_falls_with_more_elements_as_the_last_remedy_says() -> None:
+def test_a_residual_of_the_mesh_falls_with_more_elements_as_the_first_remedy_says() -> None:
     start = {"with_loads": True}
     coarse, fine = (run(mass(10.0, 5.0), 0.05, start, elements=n) for n in (20, 80))
     assert "not identified, the residual grows between t = " in reported(coarse)
-    assert "if the residual does not fall, write more elements" in reported(coarse)
+    assert "write more elements; if the residual does not fall, write a smaller run.step" in reported(coarse)
     assert coarse.attrs["outcome"] == "completed"
     assert share(fine) < 0.3 * share(coarse)
     assert not reported(fine)
 
 
-def test_a_residual_of_the_step_falls_with_half_of_it_as_the_first_remedy_says() -> None:
+def test_a_residual_of_a_given_step_falls_with_half_of_it_as_the_first_remedy_says() -> None:
     case, changes = EXAMPLES / "en50318-2002-300.yaml", ["run.until=3 s"]
     coarse, fine = (simulate(load(case, [*changes, *more])) for more in ([], ["run.step=0.5 ms"]))
     assert "write a smaller run.step: 0.0005 s (half of its value)" in reported(coarse)

@@ -73,7 +73,7 @@ def test_more_than_a_twentieth_of_the_energy_may_not_be_missing() -> None:
     assert watched(missing(0.049)).outcome == "completed"
     found = doubt(watched(missing(0.051)))
     assert "5.1 % of the energy throughput" in found.what
-    assert found.key == "run.step"
+    assert found.key == "lines"
 
 
 def test_what_rounding_makes_of_a_large_energy_is_not_missing() -> None:

@@ -134,8 +134,10 @@ class EnergyWatch:
                 return cause
         step = run_info.step if run_info.method != "implicit" else float("nan")  # that chooses its steps itself
         finer = f"run.step: {0.5 * step:.3g} s (half of its value)" if step > 0.0 else "run.step"
-        remedy = f"write a smaller {finer}; if the residual does not fall, write more elements"
-        return f"not identified, the residual grows {when}", "run.step", remedy
+        smaller, more, but = f"a smaller {finer}", "more elements", "; if the residual does not fall, write "
+        given = getattr(self._scenario.run, "step", None) is not None  # else the step follows from the accuracy
+        remedy = "write " + (smaller + but + more if given else more + but + smaller)
+        return f"not identified, the residual grows {when}", "run.step" if given else "lines", remedy
 
     def _since(self, of: dict[str, Array]) -> float:
         """Time from which on the residual counts, s."""
