@@ -108,7 +108,7 @@ def interrupted(name: str, folder: Path, after: float, number: int = signal.SIGI
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "one.yaml").write_text(TEXTS[text], encoding="utf-8")
     command = [sys.executable, "-m", "ropewalk", *words]
-    pipes = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
+    pipes = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE, "preexec_fn": _listens}
     with subprocess.Popen(command, text=True, cwd=folder, start_new_session=True, **pipes) as process:  # type: ignore[call-overload]
         time.sleep(after)
         if process.poll() is not None:
@@ -137,6 +137,11 @@ def trials(count: int, seed: int, folder: Path) -> Iterator[tuple[str, float, An
         if answer is None:
             latest[name] = max(2.0 * SHORTEST, after)
         yield name, after, answer
+
+
+def _listens() -> None:
+    """Let a process hear Ctrl-C, which processes in the background of a shell ignore, with all that they start."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def _cpu(process: int) -> float:
