@@ -16,6 +16,7 @@ from ropewalk.model.load import RUBBING, AnyLoad, ExternalModel, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.missing import missing
 from ropewalk.model.parts import Parts
+from ropewalk.model.places import forces_come_close
 from ropewalk.model.quantity import AUTO
 from ropewalk.model.run import HIGH_ORDER, Dynamic, Equilibrium, Linear
 from ropewalk.model.scenario import Scenario
@@ -83,6 +84,8 @@ def _of_ropes(parts: Parts) -> Engine:
         return ROPES
     rubs = any(_rubs(load) for load in parts.loads.values())
     if rubs or run.axial_inertia != 1.0 or _is_linearised(parts) or parts.has_inextensible:
+        return SYSTEM
+    if forces_come_close(parts) and _refused(SYSTEM, parts) <= _refused(ROPES, parts):
         return SYSTEM
     return SYSTEM if _asks_for_a_method(parts) and _refused(SYSTEM, parts) < _refused(ROPES, parts) else ROPES
 

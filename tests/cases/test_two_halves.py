@@ -94,12 +94,15 @@ def test_more_elements_end_the_warning() -> None:
     assert WARNING not in answer({**ROPE, "elements": 34}, loads, SHORT).warnings
 
 
-@pytest.mark.parametrize("kind", ["force", "mass"])
-def test_what_begins_at_nearly_one_place_of_a_rope_is_to_be_one_load(kind: str) -> None:
-    rope = {**ROPE, "bending_stiffness": 0.0}
-    found = answer(rope, halves(kind=kind), {"kind": "dynamic", "until": 0.01, "every": 0.01})
-    text = next(text for text in str(found.warnings).splitlines() if "within one link" in text)
-    assert text.endswith("; write one load with the sum of both")
-    assert "within one link" not in answer(rope, {"a": pressed(7.3, 800.0, kind)}, SHORT).warnings
-    apart = answer(rope, halves(gap=0.4, kind=kind), {"kind": "dynamic", "until": 0.01, "every": 0.01})
-    assert "raise lines.r.elements (now 20) to 50" in apart.warnings
+@pytest.mark.parametrize(
+    ("kind", "close", "remedy"),
+    [("force", WARNING, "write lines.r.elements: 50 or more"),
+     ("mass", "within one link", "raise lines.r.elements (now 20) to 50")],
+)  # fmt: skip
+def test_what_begins_at_nearly_one_place_of_a_rope_is_to_be_one_load(kind: str, close: str, remedy: str) -> None:
+    rope, begin = {**ROPE, "bending_stiffness": 0.0}, {"kind": "dynamic", "until": 0.01, "every": 0.01}
+    found = answer(rope, halves(kind=kind), begin)
+    text = next(text for text in str(found.warnings).splitlines() if close in text)
+    assert text.endswith("write one load with the sum of both")
+    assert close not in answer(rope, {"a": pressed(7.3, 800.0, kind)}, begin).warnings
+    assert remedy in answer(rope, halves(gap=0.4, kind=kind), begin).warnings

@@ -26,6 +26,8 @@ from ropewalk.model.travel import FreeTravel, Measure, Place, Travel
 from ropewalk.model.vehicle import Vehicle
 
 _Prescribed = Travel | TrainTravel | PantographTravel | FmuTravel
+_COARSEST = 20
+"""Number of elements that a line has at least where it is found from an accuracy."""
 
 
 def reach(line: Line | OverheadLine, measured: Measure) -> float | None:
@@ -280,17 +282,43 @@ def _floor(time: float) -> float:
     return math.floor(time * scale * (1.0 + 1e-12)) / scale
 
 
+def forces_come_close(parts: Parts) -> bool:
+    """Whether given forces on one line pass each other, or come within two elements of each other, in a motion.
+
+    Then the nodes that they share would have to be exchanged, which excites waves of a wavelength of a few elements.
+    """
+    forces = list[tuple[str, _Prescribed, Line]]()
+    for _, load, on, line in parts.complete():
+        travel = _prescribed(load)
+        if isinstance(load, MovingForce) and travel is not None:
+            forces.append((on, travel, line))
+    until = parts.run.until if isinstance(parts.run, Dynamic) else 0.0
+    return any(_come_close(a, b, line, until) for (on, a, line), (at, b, _) in combinations(forces, 2) if on == at)
+
+
+def _come_close(a: _Prescribed, b: _Prescribed, line: Line, until: float) -> bool:
+    if a.measured != b.measured or callable(a.speed) or callable(b.speed):
+        return True
+    elements = line.elements if isinstance(line.elements, int) else _COARSEST
+    distance = 2.0 * (line.length or line.distance) / elements
+    return _meeting((a, a.start), (b, b.start), line, until, distance) is not None
+
+
 def _meeting(
-    a: tuple[_Prescribed, float], b: tuple[_Prescribed, float], line: Line | OverheadLine, until: float
+    a: tuple[_Prescribed, float],
+    b: tuple[_Prescribed, float],
+    line: Line | OverheadLine,
+    until: float,
+    distance: float = 0.0,
 ) -> tuple[float, float] | None:
-    """Time in s and place in m where two places that travel meet for certain while both are on the line."""
+    """Time in s and place in m where two places come within a distance in m for certain while both are on the line."""
     ahead, behind = (a, b) if a[1] > b[1] else (b, a)
     ways: list[list[Piece]] = []
     for travel, start in (ahead, behind):
         if callable(travel.speed):
             return None
         ways.append(course(travel.speed, start, until))
-    time = first_at_most(between(*ways), 0.0)
+    time = first_at_most(between(*ways), distance)
     if time is None:
         return None
     for (travel, _), way in zip((ahead, behind), ways, strict=True):

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ropewalk.model import Scenario
 
 _MUCH = 0.02  # force over tension and EI/h^2: the angle in rad by which the line turns there; below, nobody sees it
-_FINE = 50  # links of a line, from which on the deflection under a load is wrong by less than half a per cent
+_FINE = 120  # links of a line, from which on the deflection under two halves of a load is wrong by less than 1 %
 
 
 class _Pair(NamedTuple):
