@@ -31,7 +31,7 @@ SYSTEM = (
     ("assembling",), ("reporting",), ("equilibrium",), ("dynamics",), ("small_motion",),
 )  # fmt: skip
 # Extensions above the layers may look at everything; one not named here must be given its place first.
-ABOVE = ("calc", "compare", "paper", "sweeps", "designs", "cosim", "studio", "warming", "foreign", "validation")
+ABOVE = ("calc", "compare", "paper", "sweeps", "designs", "cosim", "studio", "warming", "validation")
 # Who may set closed forms beside the discrete solution.
 USES_THEORY = ("theory", "linear", "calc", "compare", "paper", "validation")
 LONGEST_FILE = 500

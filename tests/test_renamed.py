@@ -15,7 +15,7 @@ from ropewalk.renamed import with_old_arguments
 
 @pytest.mark.parametrize(("module", "old", "new"), [
     ("ropewalk", "ladder", "model_hierarchy"), ("ropewalk", "Ladder", "ModelHierarchy"),
-    ("ropewalk.cosim", "Ride", "LoneVehicle"), ("ropewalk.cosim", "RidePart", "VehiclePart"),
+    ("ropewalk.cosim", "Ride", "LoneVehicle"),
     ("ropewalk.cosim", "Sight", "ContactOutput"),
 ])  # fmt: skip
 def test_an_old_name_is_the_new_one_with_a_warning(module: str, old: str, new: str) -> None:
@@ -23,13 +23,6 @@ def test_an_old_name_is_the_new_one_with_a_warning(module: str, old: str, new: s
     with pytest.warns(DeprecationWarning, match=f"{old} is called .*{new} now"):
         found = getattr(home, old)
     assert found is getattr(home, new)
-
-
-def test_adapters_are_found_where_they_were() -> None:
-    with pytest.warns(DeprecationWarning, match=r"ropewalk\.external"):
-        import_module("ropewalk.foreign")
-    crane = import_module("ropewalk.foreign.crane")
-    assert crane.HangingCrane.__doc__ == import_module("ropewalk.external.crane").HangingCrane.__doc__
 
 
 def test_an_old_argument_is_the_new_one_with_a_warning() -> None:

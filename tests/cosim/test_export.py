@@ -8,9 +8,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import ropewalk
+from coupling_master import FmuPart
 from ropewalk.cosim import Outside, stepwise
 from ropewalk.cosim.export import export
-from ropewalk.cosim.master import FmuPart
 from ropewalk.cosim.vehicle import LoneVehicle, alone
 from ropewalk.errors import RopewalkError, ScenarioError
 from ropewalk.model import MovingMass, Oscillator

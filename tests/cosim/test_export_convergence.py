@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import ropewalk
+from coupling_master import FmuPart, Link, Master, VehiclePart
 from ropewalk.cosim import Outside, stepwise
 from ropewalk.cosim.export import export
-from ropewalk.cosim.master import FmuPart, Link, Master, VehiclePart
 from ropewalk.cosim.vehicle import LoneVehicle, alone
 from ropewalk.model import MovingMass, Oscillator
 

@@ -3,7 +3,6 @@
 from typing import Any
 
 from ropewalk.cosim.export import export
-from ropewalk.cosim.master import FmuPart, Link, Master, VehiclePart
 from ropewalk.cosim.outside import ContactOutput, Outside, Stepwise
 from ropewalk.cosim.stepwise import stepwise
 from ropewalk.cosim.vehicle import LoneVehicle, alone
@@ -11,19 +10,15 @@ from ropewalk.renamed import warn_renamed
 
 __all__ = [
     "ContactOutput",
-    "FmuPart",
-    "Link",
     "LoneVehicle",
-    "Master",
     "Outside",
     "Stepwise",
-    "VehiclePart",
     "alone",
     "export",
     "stepwise",
 ]
 
-_RENAMED = {"Ride": "LoneVehicle", "RidePart": "VehiclePart", "Sight": "ContactOutput"}
+_RENAMED = {"Ride": "LoneVehicle", "Sight": "ContactOutput"}
 
 
 def __getattr__(name: str) -> Any:

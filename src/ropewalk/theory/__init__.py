@@ -4,19 +4,16 @@
 ``string``          what moves along a taut string: force (exact, modal), any course, mass, oscillator
 ``rope``            ropes at rest under clamped point loads, heavy or weightless, elastic or inextensible
 ``shooting``        the same ropes by integration from the start and walking the miss to zero
-``balance``         the same ropes by the balance of forces at the loads
 ``pulley``          ropes at rest under frictionless loads and the forces that hold them
 ``locus``           path of a slowly moved load, its tensions and hold force; the ellipse
 ``friction``        friction that a load needs: capstan and point block
 ``bead``            bead that slides on a weightless rope, with and without friction, until it rests
-``waves``           free waves on strings and beams, bedded or not, and those a moving load excites
 ``periodic``        lines on periodic supports: pass bands, propagation constants, moving force
 ``cable``           natural frequencies and modes of a shallow sagging cable
 ``whirl``           taut line at large amplitude, planar and circular; the skipping rope
 ``beam``            force, mass, oscillator, vehicle crossing a beam; frequencies, buckling, impact factors
 ``beam_vehicle``    the vehicles: matrices of linear bodies on wheels
 ``foundation``      load moving on an infinite string or beam on an elastic, viscous bed
-``varying_tension`` string or beam whose tension varies, such as a hanging line: frequencies, deflection
 ``selfsimilar``     nonlinear string without ends: transverse impact, force that starts to move
 ``chain``           natural frequencies of the straight chain of links
 ``membrane``        rectangular and circular membranes, the net of taut strings, force crossing a rectangle
@@ -35,7 +32,6 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from ropewalk.theory import (
-        balance,
         bead,
         beam,
         beam_vehicle,
@@ -54,13 +50,10 @@ if TYPE_CHECKING:
         selfsimilar,
         shooting,
         string,
-        varying_tension,
-        waves,
         whirl,
     )
 
 __all__ = [
-    "balance",
     "bead",
     "beam",
     "beam_vehicle",
@@ -79,8 +72,6 @@ __all__ = [
     "selfsimilar",
     "shooting",
     "string",
-    "varying_tension",
-    "waves",
     "whirl",
 ]
 
