@@ -8,6 +8,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 DEMO := moving-force
 SOURCES := $(shell find src -name '*.py')
+CORE := $(wildcard src/core/*.[ch]pp)
 # The first Python that is new enough and can make environments. `=` and not `:=`: only a set-up needs to look.
 FIND_PYTHON = for p in python3 python3.11 python3.12 python3.13; do \
 	  "$$p" -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 && echo "$$p" && break; \
@@ -29,12 +30,13 @@ ELSEWHERE ?= --ignore-glob='tests/mechanics/test_kernel_*.py' --ignore=tests/mec
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 STUDIO := src/ropewalk/studio/page
-.PHONY: docs release studio studio-packages studio-front studio-check help demo warm-up test test-elsewhere lint types figures bench peers fuzz \
+.PHONY: core docs release studio studio-packages studio-front studio-check help demo warm-up test test-elsewhere lint types figures bench peers fuzz \
   kills kills-cluster interrupts matrix properties clean clean-cache
 
 help:
 	@echo "make demo         set up, run examples/$(DEMO).yaml, draw out/$(DEMO).png and .gif"
 	@echo "make test         set up and run the tests"
+	@echo "make core         compile what has changed of src/core"
 	@echo "make warm-up      compile before what most of them need"
 	@echo "make test-elsewhere  a part of them as on another processor: other kernels of OpenBLAS, no wide vectors, no fused operations"
 	@echo "make docs         the site, with pictures of all examples, in build/site"
@@ -81,6 +83,10 @@ $(VENV)/.peers: $(VENV)/.dev
 	@echo "Installing the peers of the benchmark"
 	@$(INSTALL) -e '.[benchmarks]'
 	@touch $@
+
+# The installation has compiled the core; what has changed since is compiled anew.
+core: $(VENV)/.core
+	@$(BIN)/python build_core/compiler.py >/dev/null
 
 # -- Runs --------------------------------------------------------------------------------------------------------
 
@@ -138,7 +144,7 @@ studio-check: studio-front $(VENV)/.dev
 
 # -- Checks ------------------------------------------------------------------------------------------------------
 
-warm-up: $(VENV)/.dev
+warm-up: $(VENV)/.dev core
 	@$(BIN)/ropewalk warm-up --quiet
 
 test: warm-up
@@ -172,6 +178,7 @@ test-elsewhere: $(VENV)/.dev
 lint: $(VENV)/.dev
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
+	@$(BIN)/clang-format --dry-run --Werror $(CORE)
 
 types: $(VENV)/.dev
 	@$(BIN)/mypy
@@ -179,8 +186,8 @@ types: $(VENV)/.dev
 # With the page of the studio, so that users need no Node.
 release: $(STUDIO)/index.html $(VENV)/.core
 	@rm -rf dist
-	@$(INSTALL) hatchling
-	@$(BIN)/hatchling build -d dist
+	@$(INSTALL) build
+	@$(BIN)/python -m build --outdir dist
 	@for package in dist/*; do .ci/try-package $(BIN)/python "$$package" $(CONSTRAINTS) || exit 1; done
 
 # -- Tidying -----------------------------------------------------------------------------------------------------

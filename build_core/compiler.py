@@ -1,0 +1,136 @@
+"""Compile the core: with the compiler of the system where it knows C++20, else with the one of the wheel `ziglang`."""
+
+from __future__ import annotations
+
+import os
+import platform
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import NamedTuple
+
+ZIG = "ziglang==0.17.1"
+FLAGS = (
+    "-std=c++20", "-O3", "-ffreestanding", "-fno-exceptions", "-fno-rtti", "-fno-threadsafe-statics",
+    "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math", "-Wall", "-Wextra", "-Werror",
+)  # fmt: skip
+CHECKED = ("-O1", "-g", "-fsanitize=undefined,bounds-strict", "-fsanitize-undefined-trap-on-error")
+"""Flags of a build that stops at the first undefined operation, with GCC."""
+PROBE = "template<class T> concept Sums = requires(T t) { t + t; };\ntemplate<Sums T> T twice(T x) { return x + x; }\nint f() { return twice(1); }\n"
+
+
+class Target(NamedTuple):
+    """A platform: its name for zig, the name of the library, flags to compile and to link with."""
+
+    zig: str
+    library: str
+    compiling: tuple[str, ...]
+    linking: tuple[str, ...]
+
+
+_ELF = ("-fPIC",), ("-shared", "-nostdlib", "-Wl,-Bsymbolic")
+TARGETS = {
+    "manylinux_2_17_x86_64": Target("x86_64-linux-gnu.2.17", "core.so", *_ELF),
+    "manylinux_2_17_aarch64": Target("aarch64-linux-gnu.2.17", "core.so", *_ELF),
+    "macosx_11_0_arm64": Target("aarch64-macos.11.0", "core.dylib", ("-fPIC",), ("-shared", "-nostdlib")),
+    "win_amd64": Target("x86_64-windows-gnu", "core.dll", ("-mno-stack-arg-probe",), ("-shared", "-nostdlib")),
+}
+"""Platforms by the tag of their wheels."""
+VARIANTS = {
+    "baseline": ("-DRW_WIDTH=2",),
+    "avx2": ("-DRW_WIDTH=4", "-mavx2"),
+    "avx512": ("-DRW_WIDTH=8", "-mavx512f", "-mavx512dq", "-mavx512vl", "-mprefer-vector-width=512"),
+}
+"""Flags of what is compiled once for each instruction set."""
+
+
+def platform_tag() -> str:
+    """Return the tag of wheels for the platform that is built for: this one, or ROPEWALK_TARGET."""
+    if wished := os.environ.get("ROPEWALK_TARGET"):
+        return wished
+    arm = platform.machine().lower() in ("arm64", "aarch64")
+    if sys.platform == "linux":
+        return f"manylinux_2_17_{'aarch64' if arm else 'x86_64'}"
+    return "macosx_11_0_arm64" if sys.platform == "darwin" else "win_amd64"
+
+
+def system_compiler() -> list[str] | None:
+    """Return the command of a compiler of the system that knows C++20: CXX, g++ or clang++; None if there is none."""
+    if os.environ.get("ROPEWALK_TARGET"):
+        return None
+    for command in map(shlex.split, filter(None, (os.environ.get("CXX"), "g++", "clang++", "c++"))):
+        if shutil.which(command[0]) and _compiles(command):
+            return command
+    return None
+
+
+def _compiles(command: list[str]) -> bool:
+    """Whether a compiler works: it may be an old one, or the stub of a system that has none."""
+    with tempfile.TemporaryDirectory() as folder:
+        source = Path(folder, "probe.cpp")
+        source.write_text(PROBE, encoding="utf-8")
+        words = [*command, "-std=c++20", "-c", str(source), "-o", str(source.with_suffix(".o"))]
+        return subprocess.run(words, capture_output=True, check=False).returncode == 0
+
+
+def build(root: Path, folder: Path, *, checked: bool = False) -> Path:
+    """Compile the core into a library in a folder, and return its path. What has not changed is not compiled anew.
+
+    Args:
+        root: of the repository.
+        folder: of the library; made if it does not exist.
+        checked: stop at the first undefined operation.
+
+    Raises:
+        RuntimeError: it does not compile, or there is no compiler.
+    """
+    tag = platform_tag()
+    target, compiler = TARGETS[tag], system_compiler()
+    objects = root / "build" / "core" / (f"{tag}-checked" if checked else tag)
+    objects.mkdir(parents=True, exist_ok=True)
+    if compiler is None:
+        compiler = [sys.executable, "-m", "ziglang", "c++", "-target", target.zig]
+    flags = [*FLAGS, *target.compiling, *(CHECKED if checked else ())]
+    jobs = list[tuple[list[str], Path]]()
+    for source in ("api", "runtime"):
+        jobs.append(([str(root / "src" / "core" / f"{source}.cpp")], objects / f"{source}.o"))
+    for name, own in VARIANTS.items():
+        if name == "baseline" or "86" in tag or "amd" in tag:
+            words = [str(root / "src" / "core" / "variant.cpp"), f"-DRW_VARIANT={name}", *own]
+            jobs.append((words, objects / f"{name}.o"))
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        list(pool.map(lambda job: _compiled([*compiler, *flags, *job[0]], job[1]), jobs))
+    folder.mkdir(parents=True, exist_ok=True)
+    library = folder / target.library
+    _run([*compiler, *target.linking, "-o", str(library), *(str(made) for _, made in jobs)])
+    return library
+
+
+def _compiled(command: list[str], made: Path) -> None:
+    """Compile one source, unless it is there as these words make it from files that have not changed since."""
+    key, needs = made.with_suffix(".key"), made.with_suffix(".d")
+    words = shlex.join(command)
+    if made.exists() and key.exists() and key.read_text(encoding="utf-8") == words:
+        names = needs.read_text(encoding="utf-8").replace("\\\n", " ").partition(":")[2].split()
+        if all(Path(name).exists() and Path(name).stat().st_mtime <= made.stat().st_mtime for name in names):
+            return
+    _run([*command, "-MMD", "-MF", str(needs), "-c", "-o", str(made)])
+    key.write_text(words, encoding="utf-8")
+
+
+def _run(command: list[str]) -> None:
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    except OSError as error:
+        raise RuntimeError(f"the core cannot be compiled: {error}") from error
+    if done.returncode:
+        raise RuntimeError(f"the core cannot be compiled:\n{shlex.join(command)}\n{done.stderr or done.stdout}")
+
+
+if __name__ == "__main__":
+    ROOT = Path(__file__).parent.parent
+    print(build(ROOT, ROOT / "src" / "ropewalk" / "engine"))

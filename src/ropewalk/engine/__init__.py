@@ -1,0 +1,1 @@
+"""The engine whose step loop is compiled ahead of time."""

@@ -1,0 +1,71 @@
+"""The compiled core: found, loaded and checked once."""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+from functools import cache
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ropewalk.errors import RopewalkError
+
+VERSION = 1
+"""Version of the interface that is spoken here."""
+VARIANTS = ("baseline", "avx2", "avx512")
+"""Instruction sets that the core is compiled for, by their numbers; elsewhere than on x86-64 only the first."""
+Elementary = Literal["exp", "log", "sin", "cos", "atan2", "pow"]
+_FUNCTIONS = ("exp", "log", "sin", "cos", "atan2", "pow")
+_NAMES = {"win32": "core.dll", "darwin": "core.dylib"}
+_DOUBLES = ctypes.POINTER(ctypes.c_double)
+
+
+@cache
+def library() -> ctypes.CDLL:
+    """Load the core.
+
+    Raises:
+        RopewalkError: it has not been compiled, or is of another version than this package.
+    """
+    path = Path(__file__).with_name(_NAMES.get(sys.platform, "core.so"))
+    try:
+        found = ctypes.CDLL(str(path))
+    except OSError as error:
+        raise RopewalkError(
+            f"{path.name}: the compiled core cannot be loaded ({error}); install ropewalk anew"
+        ) from error
+    found.rw_version.restype = found.rw_best_variant.restype = found.rw_elementary.restype = ctypes.c_int64
+    found.rw_elementary.argtypes = [ctypes.c_int64] * 3 + [_DOUBLES] * 3
+    if (version := found.rw_version()) != VERSION:
+        raise RopewalkError(
+            f"{path.name}: the compiled core has version {version} of the interface, this package needs {VERSION}; "
+            "install ropewalk anew (in a checkout: make core)"
+        )
+    return found
+
+
+def variants() -> tuple[str, ...]:
+    """Return the instruction sets that run on this processor, the widest last."""
+    return VARIANTS[: library().rw_best_variant() + 1]
+
+
+def elementary(name: Elementary, x: ArrayLike, y: ArrayLike = 0.0, variant: str = "baseline") -> NDArray[np.float64]:
+    """Return the values of an elementary function of the core, which has the same bits on every platform.
+
+    Args:
+        name: of the function.
+        x: first argument, any shape.
+        y: second argument of `atan2` (where it is the abscissa) and `pow`, broadcast against x.
+        variant: instruction set.
+    """
+    first, second = (np.ascontiguousarray(each, dtype=np.float64) for each in np.broadcast_arrays(x, y))
+    values = np.empty_like(first)
+    pointers = (each.ctypes.data_as(_DOUBLES) for each in (first, second, values))
+    if library().rw_elementary(VARIANTS.index(variant), _FUNCTIONS.index(name), values.size, *pointers):
+        raise RopewalkError(
+            f"this processor does not run the variant {variant} of the core; use {', '.join(variants())}"
+        )
+    return values
