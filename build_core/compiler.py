@@ -20,7 +20,10 @@ FLAGS = (
 )  # fmt: skip
 CHECKED = ("-O1", "-g", "-fsanitize=undefined,bounds-strict", "-fsanitize-undefined-trap-on-error")
 """Flags of a build that stops at the first undefined operation, with GCC."""
-PROBE = "template<class T> concept Sums = requires(T t) { t + t; };\ntemplate<Sums T> T twice(T x) { return x + x; }\nint f() { return twice(1); }\n"
+PROBE = """template<class T> concept Sums = requires(T t) { t + t; };
+template<Sums T> T twice(T x) { return x + x; }
+int f() { return twice(1); }
+"""
 
 
 class Target(NamedTuple):
