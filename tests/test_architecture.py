@@ -19,7 +19,7 @@ HOUSE = Path(ropewalk.__file__).parent
 # From the ground up; a module imports from its own layer and from those before it.
 LAYERS = (
     ("errors", "units", "hooks", "importing", "interrupts", "permission", "renamed"), ("checkpoint",), ("model",),
-    ("theory",), ("mechanics",), ("external",),
+    ("theory",), ("mechanics", "engine"), ("external",),
     ("controllers",), ("results",), ("solve",), ("linear",), ("wires",), ("overhead",), ("system",),
     ("capabilities",), ("chains", "wiring"), ("meshes",), ("impact", "start_positions"), ("simulate",), ("effort",),
     ("rigid_overhead_lines",), ("decouple",),
