@@ -1,6 +1,6 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
-import { type Film, largestTension } from "./film";
+import type { Film } from "./film";
 
 const KEY = "ropewalk";
 
@@ -148,20 +148,22 @@ function curves(film: Film, colour: (name: string) => string, prefix: string): {
     const place = film.series(`place ${k}`, (f) => f.contact_position[k * axes + axes - 1]);
     path.push({ name, colour: tints[k], values: place });
   }
-  const unit = film.has("tension") ? "kN" : "kN/m";
-  const most = film.series("tension", (f) => largestTension(f) / 1000);
-  const found = [
-    {
-      title: `largest tension (${unit})`,
-      curves: [{ name: `${prefix}tension`, colour: colour("--accent"), values: most }],
-    },
-  ];
-  if (many) {
-    found.push(
-      { title: "contact force, downwards (kN)", curves: contact },
-      { title: "path of the load, z (m)", curves: path },
-    );
+  const found: { title: string; curves: Curve[] }[] = [];
+  for (const { quantity, unit, curves } of film.curves.groups) {
+    const own = Object.entries(curves).map(([name, values], k) => {
+      return { name: prefix + name, colour: tints[k % tints.length], values: shownOf(film, values) };
+    });
+    found.push({ title: `${quantity} (${unit}): ${Object.keys(curves).join(", ")}`, curves: own });
   }
+  const { colour: quantity, diagrams } = film.picture;
+  const shown = quantity && film.state.ranges[quantity.name];
+  if (quantity && shown && !found.some(({ title }) => title.startsWith(quantity.label))) {
+    const most = film.series(quantity.name, (f) => largest(f[quantity.name])).map((value) => value / shown.size);
+    const title = `largest ${quantity.label} (${shown.unit})`;
+    found.push({ title, curves: [{ name: prefix + quantity.label, colour: colour("--accent"), values: most }] });
+  }
+  if (many) found.push({ title: "contact force, downwards (kN)", curves: contact });
+  if (many && !diagrams.length) found.push({ title: "path of the load, z (m)", curves: path });
   const i = film.energies.indexOf("imbalance");
   const j = film.energies.indexOf("kinetic");
   if (film.has("energy") && film.layout.path === "time") {
@@ -175,4 +177,19 @@ function curves(film: Film, colour: (name: string) => string, prefix: string): {
     });
   }
   return found;
+}
+
+function largest(values: Float32Array): number {
+  let most = Number.NEGATIVE_INFINITY;
+  for (const value of values) if (value > most) most = value;
+  return most;
+}
+
+/** The values of a curve over all frames of a result at those that are shown. */
+function shownOf({ path, count, curves }: Film, values: (number | null)[]): number[] {
+  let k = 0;
+  return Array.from(path.subarray(0, count), (at) => {
+    while (k < curves.path.length - 1 && curves.path[k] < at - 1e-6 * (1 + at)) k++;
+    return values[k] ?? Number.NaN;
+  });
 }

@@ -1,33 +1,40 @@
-import { beneath } from "./beneath";
 import { stepOf, steps } from "./colours";
-import { type Frame, type Layout, tensionsOf } from "./film";
+import { diagram } from "./diagrams";
+import type { Film, Frame, Layout } from "./film";
+import { type Picture, type Shown, type State, said, valuesAlong } from "./picture";
 import type { Space } from "./space";
+import { BEHIND, type Spot, type Surface, symbol, triangle } from "./symbols";
 import { ticks, written } from "./units";
 
-export interface Scene {
+interface Drawn {
   layout: Layout;
   frame: Frame;
+  reference: Float32Array; // m, positions without displacement
+}
+
+export interface Scene extends Drawn {
+  picture: Picture;
+  state: State;
   ghost?: Float32Array;
-  beside?: { layout: Layout; frame: Frame }; // another run, drawn faintly
+  beside?: Drawn; // another run, drawn faintly
   orbits?: boolean; // in space, by a camera that goes around it
-  rest?: Frame; // what displacements are measured from where they are exaggerated
+  film?: Film; // of the frame, whose largest values diagrams show
 }
 
 type Range = [number, number];
 export interface View {
   x: Range;
   z: Range;
-  tension: Range;
   force: number; // N, the longest arrow
 }
 
 export interface Choices {
-  exaggeration: number;
+  exaggeration: number; // 0: as the description has it
   arrows: boolean;
-  turn: number; // rad, of the camera about the vertical, in space
 }
 
-const MARGIN = { left: 96, right: 96, top: 60, bottom: 40 };
+const MARGIN = { left: 64, right: 40, top: 64, bottom: 40 };
+const ROW = [64, 118]; // pixels, least and most height of a diagram
 
 /** Draws a structure with its loads on a canvas. */
 export class Stage {
@@ -35,9 +42,9 @@ export class Stage {
   hint = "";
   /** Keys of the scenario that doubts name: their loads and lines are marked. */
   doubted: string[] = [];
-  choices: Choices = { exaggeration: 1, arrows: true, turn: 0.5 };
+  choices: Choices = { exaggeration: 0, arrows: true };
   private scene?: Scene;
-  private view: View = { x: [0, 1], z: [-1, 1], tension: [0, 1], force: 1 };
+  private view: View = { x: [0, 1], z: [-1, 1], force: 1 };
   private scale: [number, number, number, number] = [1, 0, 1, 0];
   private due = false;
 
@@ -69,7 +76,7 @@ export class Stage {
     return this.scene?.orbits === true && this.scene.layout.axes.length === 3;
   }
 
-  /** Fetch what draws in space; where the browser cannot, the oblique picture stays. */
+  /** Fetch what draws in space; where the browser cannot, the elevation stays. */
   private async open(): Promise<void> {
     this.space = null;
     if (!SPACE || !document.createElement("canvas").getContext("webgl2")) return;
@@ -98,69 +105,56 @@ export class Stage {
     return [(px - ox) / sx, (py - oz) / sz];
   }
 
-  /** Where a node is drawn. */
-  private at(position: Float32Array, i: number, rest?: Float32Array): [number, number] {
+  /** How many times as large displacements are drawn. */
+  get factor(): number {
+    return this.choices.exaggeration || this.scene?.state.factor || 1;
+  }
+
+  /** Where a point is in the picture, in pixels. */
+  private point = (at: ArrayLike<number>): Spot => {
+    if (this.camera) return this.camera.pixel([at[0], at[1], at[2]], this.canvas.clientWidth, this.canvas.clientHeight);
     const [sx, ox, sz, oz] = this.scale;
+    return [ox + sx * at[0], oz + sz * at[at.length - 1]];
+  };
+
+  /** Where point `i` of some positions is drawn, displaced from a reference. */
+  private at(position: Float32Array | undefined, i: number, reference?: Float32Array): Spot {
     const axes = this.scene?.layout.axes.length ?? 2;
-    if (this.camera) {
-      const k = rest ? this.choices.exaggeration : 1;
-      const [x, y, w] = [0, 1, 2].map((a) => {
-        const p = position[3 * i + a];
-        return rest && k !== 1 ? rest[3 * i + a] + k * (p - rest[3 * i + a]) : p;
-      });
-      return this.camera.pixel([x, y, w], this.canvas.clientWidth, this.canvas.clientHeight);
-    }
-    const [x, z] = this.flat(position, i * axes, axes, rest);
-    return [ox + sx * x, oz + sz * z];
+    if (!position || i < 0) return [Number.NaN, Number.NaN];
+    const at = position.subarray(axes * i, axes * (i + 1));
+    if (!reference || this.factor === 1) return this.point(at);
+    return this.point(at.map((value, a) => reference[axes * i + a] + this.factor * (value - reference[axes * i + a])));
   }
 
-  /** What loads and bodies of a frame are exaggerated from; nothing while nothing is. */
-  private restOf(frame: Frame, places: Float32Array): Float32Array | undefined {
-    const scene = this.scene;
-    if (!scene?.rest || this.choices.exaggeration === 1) return undefined;
-    return beneath(scene.layout, frame, scene.rest.position, places);
-  }
-
-  private flat(p: Float32Array, at: number, axes: number, rest?: Float32Array): [number, number] {
-    const k = this.choices.exaggeration;
-    const shown = (a: number) => (rest && k !== 1 ? rest[at + a] + k * (p[at + a] - rest[at + a]) : p[at + a]);
-    if (axes === 2) return [shown(0), shown(1)];
-    const { turn } = this.choices;
-    const y = shown(1);
-    return [
-      shown(0) * Math.cos(turn) + y * Math.sin(turn),
-      shown(2) + 0.4 * (y * Math.cos(turn) - shown(0) * Math.sin(turn)),
-    ];
+  /** Heights of the diagrams below the lines, in pixels. */
+  private rows(height: number): number[] {
+    const shown = this.scene?.picture.diagrams.filter(({ name }) => this.scene?.state.ranges[name]) ?? [];
+    return shown.map(() => Math.min(Math.max((0.5 * height) / shown.length, ROW[0]), ROW[1]));
   }
 
   private fit(width: number, height: number): void {
-    const scene = this.scene;
-    let [x, z] = [this.view.x, this.view.z];
-    if (scene && scene.layout.axes.length === 3) [x, z] = this.box(scene);
-    const w = Math.max(x[1] - x[0], 1e-9);
+    const { x, z } = this.view;
+    const { height_factor } = this.scene?.state ?? { height_factor: 1 };
+    const bottom = MARGIN.bottom + this.rows(height).reduce((a, b) => a + b, 0);
+    const [low, high] = this.window(x);
+    const w = Math.max(high - low, 1e-9);
     const h = Math.max(z[1] - z[0], 1e-9);
-    const s = Math.min((width - MARGIN.left - MARGIN.right) / w, (height - MARGIN.top - MARGIN.bottom) / h);
-    const middle = (MARGIN.top + height - MARGIN.bottom) / 2;
-    const ox = MARGIN.left + (width - MARGIN.left - MARGIN.right - s * w) / 2 - s * x[0];
-    this.scale = [s, ox, -s, middle + (s * (z[0] + z[1])) / 2];
+    const [wide, free] = [width - MARGIN.left - MARGIN.right, Math.max(height - MARGIN.top - bottom, 20)];
+    const s = Math.min(wide / w, free / h / height_factor);
+    const ox = MARGIN.left + (wide - s * w) / 2 - s * low;
+    this.scale = [s, ox, -s * height_factor, MARGIN.top + free / 2 + (s * height_factor * (z[0] + z[1])) / 2];
   }
 
-  private box(scene: Scene): [Range, Range] {
-    const x: Range = [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY];
-    const z: Range = [...x];
-    const p = (scene.rest ?? scene.frame).position;
-    for (let i = 0; i < p.length; i += 3) {
-      const [a, b] = this.flat(p, i, 3);
-      x[0] = Math.min(x[0], a);
-      x[1] = Math.max(x[1], a);
-      z[0] = Math.min(z[0], b);
-      z[1] = Math.max(z[1], b);
-    }
-    const free = 0.08 * Math.max(x[1] - x[0], z[1] - z[0]);
-    return [
-      [x[0] - free, x[1] + free],
-      [z[0] - free, z[1] + free],
-    ];
+  /** What of the lines is seen: all, or what is around the contacts. */
+  private window([low, high]: Range): Range {
+    const { picture, frame, layout } = this.scene ?? {};
+    if (!picture?.around || !frame || !layout) return [low, high];
+    const { length } = layout.axes;
+    const there = Array.from(frame.contact_position ?? []).filter((x, i) => i % length === 0 && Number.isFinite(x));
+    const [first, last] = there.length ? [Math.min(...there), Math.max(...there)] : [low, low];
+    const wide = Math.min(last - first + 2 * picture.around, high - low);
+    const left = Math.min(Math.max((first + last - wide) / 2, low), high - wide);
+    return [left, left + wide];
   }
 
   private paint(): void {
@@ -188,35 +182,103 @@ export class Stage {
     }
     if (this.camera) this.inSpace(this.camera, ink, scene, colour);
     else this.axes(ink, width, height, colour);
+    ink.save();
+    if (scene.picture.around && !this.camera) {
+      ink.beginPath();
+      ink.rect(MARGIN.left - 16, 0, width - MARGIN.left - MARGIN.right + 32, height);
+      ink.clip();
+    }
     if (scene.ghost?.length)
       this.line(ink, scene.ghost, 0, scene.ghost.length / scene.layout.axes.length, colour("--ghost"), [7, 5]);
     if (scene.beside) {
-      for (const [, first, count] of this.camera ? [] : scene.beside.layout.nodes)
-        this.line(ink, scene.beside.frame.position, first, count, colour("--beside"), [], 2);
-      this.marks(ink, scene.beside.frame, colour("--beside"));
+      const { layout, frame, reference } = scene.beside;
+      for (const [, first, count] of this.camera ? [] : layout.nodes)
+        this.line(ink, frame.position, first, count, colour("--beside"), [], 2, reference);
+      this.symbols(ink, { ...scene, ...scene.beside }, () => colour("--beside"), false);
     }
+    this.symbols(ink, scene, colour, true);
     if (!this.camera) this.links(ink, scene, colour);
-    this.supports(ink, scene, colour);
-    this.marks(ink, scene.frame, colour("--load"));
+    for (const [, node] of this.supportNodes())
+      triangle(ink, this.at(scene.frame.position, node, scene.reference), colour);
+    this.symbols(ink, scene, colour, false);
     if (this.choices.arrows) this.forces(ink, scene, colour);
     this.alerts(ink, scene, colour);
+    ink.restore();
+    this.diagrams(ink, scene, width, height, colour);
     this.key(ink, width, colour);
+  }
+
+  private symbols(
+    ink: CanvasRenderingContext2D,
+    scene: Scene,
+    colour: (name: string) => string,
+    behind: boolean,
+  ): void {
+    const { frame, reference, picture } = scene;
+    const surface: Surface = {
+      ink,
+      colour,
+      contact: (k) => this.at(frame.contact_position, k, frame.contact_reference),
+      wheel: (k) =>
+        this.at(
+          this.isOff(frame, k) ? frame.wheel_position : frame.contact_position,
+          k,
+          this.isOff(frame, k) ? undefined : frame.contact_reference,
+        ),
+      body: (i) => this.at(frame.body_position, i, frame.body_reference),
+      node: (i) => this.at(frame.position, i, reference),
+      point: this.point,
+      metre: this.camera ? 12 : this.scale[0],
+    };
+    for (const mark of picture.symbols) if (BEHIND.includes(mark.kind) === behind) symbol(surface, mark);
+  }
+
+  private isOff(frame: Frame, k: number): boolean {
+    return Number.isNaN(frame.contact_position[k * (this.scene?.layout.axes.length ?? 2)]) && !!frame.wheel_position;
+  }
+
+  private diagrams(
+    ink: CanvasRenderingContext2D,
+    scene: Scene,
+    width: number,
+    height: number,
+    colour: (name: string) => string,
+  ): void {
+    const { picture, state, reference, layout, film } = scene;
+    const rows = this.rows(height);
+    let top = height - MARGIN.bottom + 10 - rows.reduce((a, b) => a + b, 0);
+    const [left, right] = [MARGIN.left - 16, width - MARGIN.right + 16];
+    const along = (node: number) => {
+      const own = layout.nodes.find(([, first, count]) => node >= first && node < first + count) ?? ["", 0, 1];
+      return left + ((node - own[1]) / Math.max(own[2] - 1, 1)) * (right - left);
+    };
+    const across = this.camera ? along : (node: number) => this.point(reference.subarray(2 * node, 2 * node + 2))[0];
+    picture.diagrams
+      .filter(({ name }) => state.ranges[name])
+      .forEach((quantity, k) => {
+        const shown = state.ranges[quantity.name] as Shown;
+        const place = { left, right, top, height: rows[k] };
+        diagram(ink, place, quantity, shown, scene, film?.envelope(quantity.name), across, colour);
+        top += rows[k];
+      });
   }
 
   private inSpace(camera: Space, ink: CanvasRenderingContext2D, scene: Scene, colour: (name: string) => string): void {
     const { clientWidth: width, clientHeight: height } = this.canvas;
-    const k = this.choices.exaggeration;
-    const rest = scene.rest?.position;
-    const larger = (p: Float32Array) => (rest && k !== 1 ? p.map((value, i) => rest[i] + k * (value - rest[i])) : p);
-    const { layout, frame, beside } = scene;
+    const larger = ({ frame, reference }: Drawn) =>
+      this.factor === 1
+        ? frame.position
+        : frame.position.map((value, i) => reference[i] + this.factor * (value - reference[i]));
+    const { layout, frame, beside, picture, state } = scene;
     camera.draw(
       {
         layout,
         frame,
-        position: larger(frame.position),
-        tension: this.view.tension,
+        position: larger(scene),
+        colour: picture.colour,
+        shown: picture.colour && state.ranges[picture.colour.name],
         floor: this.view.z[0],
-        beside: beside && { layout: beside.layout, position: beside.frame.position },
+        beside: beside && { layout: beside.layout, position: larger(beside) },
       },
       width,
       height,
@@ -237,18 +299,17 @@ export class Stage {
 
   private alerts(
     ink: CanvasRenderingContext2D,
-    { layout, frame, rest }: Scene,
+    { layout, frame, reference }: Scene,
     colour: (name: string) => string,
   ): void {
     const isNamed = (kind: string, name: string) =>
       this.doubted.some((key) => `${key}.`.startsWith(`${kind}.${name}.`) || `${kind}.${name}.`.startsWith(`${key}.`));
     const places: [number, number][] = [];
-    const loadsAtRest = this.restOf(frame, frame.contact_position);
     layout.loads.forEach((name, k) => {
-      if (isNamed("loads", name)) places.push(this.at(frame.contact_position, k, loadsAtRest));
+      if (isNamed("loads", name)) places.push(this.at(frame.contact_position, k, frame.contact_reference));
     });
     for (const [name, first, count] of layout.nodes)
-      if (isNamed("lines", name)) places.push(this.at(frame.position, first + (count >> 1), rest?.position));
+      if (isNamed("lines", name)) places.push(this.at(frame.position, first + (count >> 1), reference));
     ink.textAlign = "center";
     for (const [x, z] of places) {
       if (Number.isNaN(x)) continue;
@@ -270,9 +331,10 @@ export class Stage {
     stroke: string,
     dash: number[],
     wide = 1.5,
+    reference?: Float32Array,
   ): void {
     ink.beginPath();
-    for (let i = first; i < first + count; i++) ink.lineTo(...this.at(p, i));
+    for (let i = first; i < first + count; i++) ink.lineTo(...this.at(p, i, reference));
     ink.strokeStyle = stroke;
     ink.lineWidth = wide;
     ink.setLineDash(dash);
@@ -281,35 +343,34 @@ export class Stage {
   }
 
   private links(ink: CanvasRenderingContext2D, scene: Scene, colour: (name: string) => string): void {
-    const { layout, frame } = scene;
-    const rest = scene.rest?.position;
+    const { layout, frame, reference, picture, state } = scene;
     const names = steps(colour("--dark") === "1");
-    const [low, high] = this.view.tension;
+    const shown = picture.colour && state.ranges[picture.colour.name];
     if (layout.cells.length) {
       ink.strokeStyle = colour("--faint");
       ink.lineWidth = 0.5;
       ink.beginPath();
       for (const [a, b, c] of layout.cells) {
-        ink.moveTo(...this.at(frame.position, a, rest));
-        for (const i of [b, c, a]) ink.lineTo(...this.at(frame.position, i, rest));
+        ink.moveTo(...this.at(frame.position, a, reference));
+        for (const i of [b, c, a]) ink.lineTo(...this.at(frame.position, i, reference));
       }
       ink.stroke();
     }
     ink.lineWidth = 3.5;
     for (const [name, first, count] of layout.nodes) {
-      const link = layout.links.find(([line]) => line === name);
-      if (!link || link[2] !== count - 1) continue;
-      let step = -1;
+      if (layout.links.find(([line]) => line === name)?.[2] !== count - 1) continue;
+      const value = valuesAlong(shown ? picture.colour : null, frame, layout, name);
+      let last = "";
       for (let i = 0; i < count - 1; i++) {
-        const now = stepOf(frame.tension[link[1] + i], low, high);
-        if (now !== step) {
-          if (step >= 0) ink.stroke();
+        const now = shown ? value(i) / shown.size : Number.NaN;
+        const tint = shown && Number.isFinite(now) ? names[stepOf(now, shown.low, shown.high)] : colour("--faint");
+        if (tint !== last) {
+          if (last) ink.stroke();
           ink.beginPath();
-          ink.moveTo(...this.at(frame.position, first + i, rest));
-          ink.strokeStyle = names[now];
-          step = now;
+          ink.moveTo(...this.at(frame.position, first + i, reference));
+          ink.strokeStyle = last = tint;
         }
-        ink.lineTo(...this.at(frame.position, first + i + 1, rest));
+        ink.lineTo(...this.at(frame.position, first + i + 1, reference));
       }
       ink.stroke();
     }
@@ -328,44 +389,12 @@ export class Stage {
   }
 
   pixel(node: number): [number, number] {
-    return this.scene ? this.at(this.scene.frame.position, node) : [0, 0];
-  }
-
-  private supports(ink: CanvasRenderingContext2D, scene: Scene, colour: (name: string) => string): void {
-    for (const [, node] of this.supportNodes()) {
-      const [x, z] = this.at(scene.frame.position, node, scene.rest?.position);
-      ink.beginPath();
-      ink.moveTo(x, z);
-      ink.lineTo(x - 8, z + 14);
-      ink.lineTo(x + 8, z + 14);
-      ink.closePath();
-      ink.fillStyle = colour("--panel");
-      ink.fill();
-      ink.strokeStyle = colour("--ink");
-      ink.lineWidth = 1.5;
-      ink.stroke();
-    }
-  }
-
-  private marks(ink: CanvasRenderingContext2D, frame: Frame, fill: string): void {
-    const axes = this.scene?.layout.axes.length ?? 2;
-    ink.fillStyle = fill;
-    for (const places of [frame.body_position, frame.contact_position]) {
-      const rest = places && this.restOf(frame, places);
-      for (let k = 0; places && k < places.length / axes; k++) {
-        const [x, z] = this.at(places, k, rest);
-        if (Number.isNaN(x)) continue;
-        ink.beginPath();
-        ink.arc(x, z, places === frame.contact_position ? 6.5 : 4, 0, 2 * Math.PI);
-        ink.fill();
-      }
-    }
+    return this.scene ? this.at(this.scene.frame.position, node, this.scene.reference) : [0, 0];
   }
 
   private forces(ink: CanvasRenderingContext2D, scene: Scene, colour: (name: string) => string): void {
-    const { frame, layout } = scene;
+    const { frame, layout, reference } = scene;
     const axes = layout.axes.length;
-    const rest = scene.rest?.position;
     const own = axes === 2 ? [0, 1] : [0, 2];
     const longest = 70 / (this.view.force || 1);
     const one = (at: [number, number], force: number[], name: string, stroke: string) => {
@@ -391,10 +420,9 @@ export class Stage {
     };
     const vector = (values: Float32Array | undefined, k: number) =>
       values ? Array.from(values.subarray(k * axes, (k + 1) * axes)) : [];
-    const loadsAtRest = this.restOf(frame, frame.contact_position);
     layout.loads.forEach((_, k) => {
       if (layout.loads.length > 12) return;
-      const at = this.at(frame.contact_position, k, loadsAtRest);
+      const at = this.at(frame.contact_position, k, frame.contact_reference);
       const [force, hold] = [vector(frame.contact_force, k), vector(frame.hold_force, k)];
       one(
         at,
@@ -406,7 +434,7 @@ export class Stage {
     });
     if (layout.supports.length > 12) return;
     for (const [, node, k] of this.supportNodes())
-      one(this.at(frame.position, node, rest), vector(frame.reaction, k), "", colour("--faint"));
+      one(this.at(frame.position, node, reference), vector(frame.reaction, k), "", colour("--faint"));
   }
 
   /** A force that points at who looks, or away. */
@@ -439,10 +467,14 @@ export class Stage {
     ink.fill();
   }
 
+  /** Level axis of places; upright axis of places, or of displacements where these are exaggerated. */
   private axes(ink: CanvasRenderingContext2D, width: number, height: number, colour: (name: string) => string): void {
-    if (this.scene?.layout.axes.length === 3) return;
-    const [x0, z0] = this.place(42, height - MARGIN.bottom + 12);
-    const [x1, z1] = this.place(width - 46, 54);
+    const scene = this.scene;
+    if (!scene || scene.layout.axes.length === 3) return;
+    const low = height - MARGIN.bottom + 12;
+    const bottom = low - this.rows(height).reduce((a, b) => a + b, 0);
+    const [x0, z0] = this.place(MARGIN.left - 16, bottom);
+    const [x1, z1] = this.place(width - MARGIN.right + 16, 54);
     ink.strokeStyle = colour("--grid");
     ink.fillStyle = colour("--faint");
     ink.lineWidth = 1;
@@ -452,51 +484,84 @@ export class Stage {
       const px = ox + sx * x;
       ink.beginPath();
       ink.moveTo(px, 50);
-      ink.lineTo(px, height - MARGIN.bottom + 12);
+      ink.lineTo(px, low);
       ink.stroke();
-      ink.fillText(`${+x.toPrecision(6)}`.replace("-", "−"), px, height - MARGIN.bottom + 27);
+      ink.fillText(`${+x.toPrecision(6)}`.replace("-", "−"), px, low + 15);
     }
     ink.textAlign = "right";
-    for (const z of ticks(z0, z1, 5)) {
-      const pz = oz + sz * z;
+    const { label, level, size } = this.upright(scene);
+    for (const value of ticks((z0 - level) / size, (z1 - level) / size, 5)) {
+      const pz = oz + sz * (level + size * value);
       ink.beginPath();
-      ink.moveTo(42, pz);
-      ink.lineTo(width - 12, pz);
+      ink.moveTo(MARGIN.left - 16, pz);
+      ink.lineTo(width - MARGIN.right + 16, pz);
       ink.stroke();
-      ink.fillText(`${+z.toPrecision(6)}`.replace("-", "−"), 37, pz + 4);
+      const shown = size < 0 || this.factor !== 1 ? Math.abs(value) * Math.sign(value) * Math.sign(size) : value;
+      ink.fillText(`${+shown.toPrecision(6)}`.replace("-", "−"), MARGIN.left - 21, pz + 4);
     }
     ink.textAlign = "left";
-    ink.fillText("z (m)", 8, 44);
-    ink.fillText("x (m)", width - 36, height - MARGIN.bottom + 27);
+    ink.fillText(label, 8, 44);
+    ink.fillText("x (m)", width - 36, low + 15);
+  }
+
+  /** What the upright axis shows: its label, the height of zero in m, and the size of its unit as drawn, in m. */
+  private upright({ picture, state, reference, layout }: Scene): { label: string; level: number; size: number } {
+    const { colour } = picture;
+    const shown = colour?.unit === "m" ? state.ranges[colour.name] : undefined;
+    const factors = state.height_factor === 1 ? "" : `, heights × ${state.height_factor}`;
+    if (this.factor === 1 || !colour || !shown) return { label: `z (m)${factors}`, level: 0, size: 1 };
+    const first = layout.nodes.find(([name]) => !colour.lines.length || colour.lines.includes(name))?.[1] ?? 0;
+    const level = reference[layout.axes.length * (first + 1) - 1];
+    const size = this.factor * shown.size * (colour.down ? -1 : 1);
+    return { label: `${colour.label} (${shown.unit})${factors}`, level, size };
   }
 
   private key(ink: CanvasRenderingContext2D, width: number, colour: (name: string) => string): void {
-    const names = steps(colour("--dark") === "1");
-    const [low, high] = this.view.tension;
-    const unit = this.scene ? tensionsOf(this.scene.layout, this.scene.frame).unit : "N";
-    const [w, right] = [unit === "N" ? 150 : 190, width - 26];
-    for (let k = 0; k < w; k++) {
-      ink.fillStyle = names[Math.floor((k / w) * names.length)];
-      ink.fillRect(right - w + k, 22, 1.5, 8);
-    }
+    if (!this.scene) return;
+    const { picture, state } = this.scene;
+    const quantity = picture.colour;
+    const shown = quantity && state.ranges[quantity.name];
     ink.fillStyle = colour("--ink");
-    ink.textAlign = "left";
-    const digits = written(low, unit) === written(high, unit) ? 5 : 3; // of a taut string tensions hardly differ
-    ink.fillText(written(low, unit, digits), right - w, 16);
-    ink.textAlign = "right";
-    ink.fillText(written(high, unit, digits), right, 16);
-    ink.fillText("tension", right - w - 8, 30);
-    ink.textAlign = "left";
+    let left = 8;
+    if (this.factor !== 1) {
+      const text = `${quantity?.unit === "m" ? quantity.label : "displacement"} × ${this.factor}`;
+      ink.font = ink.font.replace("12px", "bold 13px");
+      ink.fillText(text, left, 24);
+      left += ink.measureText(text).width + 24;
+      ink.font = ink.font.replace("bold 13px", "12px");
+    }
+    if (shown) this.bar(ink, width, quantity.label, shown, colour);
     if (this.scene?.ghost?.length) {
       ink.setLineDash([7, 5]);
       ink.strokeStyle = colour("--ghost");
       ink.lineWidth = 1.5;
       ink.beginPath();
-      ink.moveTo(70, 20);
-      ink.lineTo(104, 20);
+      ink.moveTo(left, 20);
+      ink.lineTo(left + 34, 20);
       ink.stroke();
       ink.setLineDash([]);
-      ink.fillText("linear theory", 110, 24);
+      ink.fillText("linear theory", left + 40, 24);
     }
+  }
+  private bar(
+    ink: CanvasRenderingContext2D,
+    width: number,
+    label: string,
+    shown: Shown,
+    colour: (name: string) => string,
+  ): void {
+    const names = steps(colour("--dark") === "1");
+    const [wide, right] = [shown.unit.length < 3 ? 150 : 190, width - 26];
+    for (let k = 0; k < wide; k++) {
+      ink.fillStyle = names[Math.floor((k / wide) * names.length)];
+      ink.fillRect(right - wide + k, 22, 1.5, 8);
+    }
+    ink.fillStyle = colour("--ink");
+    const digits = said(shown.low, shown) === said(shown.high, shown) ? 5 : 3; // of a taut string tensions hardly differ
+    ink.fillText(said(shown.low, shown, digits), right - wide, 16);
+    ink.textAlign = "right";
+    ink.fillText(said(shown.high, shown, digits), right, 16);
+    ink.fillText(label, right - wide - 8, 30);
+    ink.textAlign = "left";
   }
 }
