@@ -1,5 +1,6 @@
 import type { Frame, Layout } from "./film";
 import { type Quantity, type Shown, said } from "./picture";
+import type { Pen } from "./symbols";
 import { ticks } from "./units";
 
 interface Place {
@@ -9,23 +10,25 @@ interface Place {
   height: number;
 }
 
-type Envelope = { low: Float32Array; high: Float32Array };
+interface Values {
+  layout: Layout;
+  frame: Frame;
+  envelope?: { low: Float32Array; high: Float32Array };
+  across: (node: number) => number; // pixels
+}
 
 /** A quantity along lines, below them: its curve, its largest values so far (dashed), and its extreme value now. */
 export function diagram(
-  ink: CanvasRenderingContext2D,
+  { ink, colour }: Pen,
   place: Place,
   quantity: Quantity,
   shown: Shown,
-  { layout, frame }: { layout: Layout; frame: Frame },
-  envelope: Envelope | undefined,
-  across: (node: number) => number,
-  colour: (name: string) => string,
+  { layout, frame, envelope, across }: Values,
 ): void {
   const values = frame[quantity.name];
   if (!values) return;
   const [low, high] = [Math.min(shown.low, 0), Math.max(shown.high, 0)];
-  const [top, scale] = [place.top + 20, (place.height - 28) / (high - low || 1)];
+  const [top, scale] = [place.top + 24, (place.height - 32) / (high - low || 1)];
   const up = (value: number) => top + scale * (quantity.down ? value - low : high - value);
   ink.textAlign = "right";
   ink.lineWidth = 1;
@@ -75,37 +78,21 @@ export function diagram(
       if (seen && Math.abs(values[i]) > (extreme < 0 ? 0 : Math.abs(values[extreme]))) extreme = i;
     }
   }
-  if (extreme >= 0)
-    mark(
-      ink,
-      place,
-      across(extreme),
-      up(values[extreme] / shown.size),
-      said(values[extreme] / shown.size, shown),
-      colour,
-    );
+  if (extreme >= 0) {
+    const [x, y] = [across(extreme), up(values[extreme] / shown.size)];
+    const text = said(values[extreme] / shown.size, shown);
+    ink.fillStyle = ink.strokeStyle = colour("--ink");
+    ink.beginPath();
+    ink.arc(x, y, 3.5, 0, 2 * Math.PI);
+    ink.fill();
+    ink.lineWidth = 3;
+    ink.strokeStyle = colour("--panel");
+    const at: [number, number] = [
+      Math.min(x + 8, place.right - ink.measureText(text).width - 4),
+      y > place.top + place.height / 2 ? y - 8 : y + 16,
+    ];
+    ink.strokeText(text, ...at);
+    ink.fillText(text, ...at);
+  }
   ink.restore();
-}
-
-function mark(
-  ink: CanvasRenderingContext2D,
-  place: Place,
-  x: number,
-  y: number,
-  text: string,
-  colour: (name: string) => string,
-): void {
-  ink.fillStyle = colour("--ink");
-  ink.beginPath();
-  ink.arc(x, y, 3.5, 0, 2 * Math.PI);
-  ink.fill();
-  const wide = ink.measureText(text).width;
-  const left = Math.min(x + 8, place.right - wide - 4);
-  const above = y > place.top + place.height / 2 ? y - 8 : y + 16;
-  ink.globalAlpha = 0.75;
-  ink.fillStyle = colour("--panel");
-  ink.fillRect(left - 2, above - 11, wide + 4, 14);
-  ink.globalAlpha = 1;
-  ink.fillStyle = colour("--ink");
-  ink.fillText(text, left, above);
 }

@@ -3,6 +3,7 @@ import "uplot/dist/uPlot.min.css";
 import type { Film } from "./film";
 
 const KEY = "ropewalk";
+const LABELLED = 12; // most loads whose forces are shown
 
 interface Curve {
   name: string;
@@ -27,7 +28,7 @@ export class Plots {
   private size(): { width: number; height: number } {
     const count = Math.max(this.plots.length, 3);
     return {
-      width: Math.max(160, Math.floor(this.place.clientWidth / count) - 8),
+      width: Math.max(210, Math.floor(this.place.clientWidth / count) - 8),
       height: Math.max(80, this.place.clientHeight - 30),
     };
   }
@@ -136,6 +137,7 @@ function curves(film: Film, colour: (name: string) => string, prefix: string): {
   const axes = film.layout.axes.length;
   const many = Math.min(film.layout.loads.length, 6);
   const tints = [colour("--load"), colour("--hold"), "#009e73", "#e69f00", "#cc79a7", "#56b4e9"];
+  const scale = film.picture.around === null ? -1e-3 : 1; // kN downwards, or N upwards under an overhead line
   const contact: Curve[] = [];
   const path: Curve[] = [];
   for (let k = 0; k < many; k++) {
@@ -143,7 +145,7 @@ function curves(film: Film, colour: (name: string) => string, prefix: string): {
     contact.push({
       name,
       colour: tints[k],
-      values: film.series(`force ${k}`, (f) => -f.contact_force[k * axes + axes - 1] / 1000),
+      values: film.series(`force ${k}`, (f) => scale * f.contact_force[k * axes + axes - 1]),
     });
     const place = film.series(`place ${k}`, (f) => f.contact_position[k * axes + axes - 1]);
     path.push({ name, colour: tints[k], values: place });
@@ -153,7 +155,8 @@ function curves(film: Film, colour: (name: string) => string, prefix: string): {
     const own = Object.entries(curves).map(([name, values], k) => {
       return { name: prefix + name, colour: tints[k % tints.length], values: shownOf(film, values) };
     });
-    found.push({ title: `${quantity} (${unit}): ${Object.keys(curves).join(", ")}`, curves: own });
+    const symbol = unit.replace("*", " ").replace("^2", "²");
+    found.push({ title: `${quantity} (${symbol}): ${Object.keys(curves).join(", ")}`, curves: own });
   }
   const { colour: quantity, diagrams } = film.picture;
   const shown = quantity && film.state.ranges[quantity.name];
@@ -162,14 +165,15 @@ function curves(film: Film, colour: (name: string) => string, prefix: string): {
     const title = `largest ${quantity.label} (${shown.unit})`;
     found.push({ title, curves: [{ name: prefix + quantity.label, colour: colour("--accent"), values: most }] });
   }
-  if (many) found.push({ title: "contact force, downwards (kN)", curves: contact });
+  const title = scale > 0 ? "contact force, upwards (N)" : "contact force, downwards (kN)";
+  if (many && film.layout.loads.length <= LABELLED) found.push({ title, curves: contact });
   if (many && !diagrams.length) found.push({ title: "path of the load, z (m)", curves: path });
   const i = film.energies.indexOf("imbalance");
   const j = film.energies.indexOf("kinetic");
   if (film.has("energy") && film.layout.path === "time") {
     const [kinetic, imbalance] = [j, i].map((at) => film.series(`energy ${at}`, (f) => f.energy[at]));
     found.push({
-      title: "energy (J): kinetic of lines, imbalance",
+      title: "energy (J): kinetic, residual",
       curves: [
         { name: `${prefix}kinetic`, colour: colour("--accent"), values: kinetic },
         { name: `${prefix}imbalance`, colour: colour("--load"), values: imbalance },

@@ -3,17 +3,17 @@ import { diagram } from "./diagrams";
 import type { Film, Frame, Layout } from "./film";
 import { type Picture, type Shown, type State, said, valuesAlong } from "./picture";
 import type { Space } from "./space";
-import { BEHIND, type Spot, type Surface, symbol, triangle } from "./symbols";
+import { BEHIND, type Pen, type Spot, type Surface, symbol, triangle } from "./symbols";
 import { ticks, written } from "./units";
 
 interface Drawn {
   layout: Layout;
   frame: Frame;
+  picture: Picture;
   reference: Float32Array; // m, positions without displacement
 }
 
 export interface Scene extends Drawn {
-  picture: Picture;
   state: State;
   ghost?: Float32Array;
   beside?: Drawn; // another run, drawn faintly
@@ -33,10 +33,12 @@ export interface Choices {
   arrows: boolean;
 }
 
-const MARGIN = { left: 64, right: 40, top: 64, bottom: 40 };
+const MARGIN = { left: 80, right: 80, top: 64, bottom: 40 };
+const EDGE = { left: 48, right: 24 }; // of axes and diagrams
 const ROW = [64, 118]; // pixels, least and most height of a diagram
+const LABELLED = 12; // most forces that are drawn
 
-/** Draws a structure with its loads on a canvas. */
+/** Draws a structure with its loads on a canvas, as the description of its frame has it. */
 export class Stage {
   /** What is written where nothing is shown. */
   hint = "";
@@ -47,6 +49,7 @@ export class Stage {
   private view: View = { x: [0, 1], z: [-1, 1], force: 1 };
   private scale: [number, number, number, number] = [1, 0, 1, 0];
   private due = false;
+  private pen!: Pen;
 
   private closing = new AbortController();
   private space?: Space | null; // null: it is on its way, or there is none
@@ -99,6 +102,8 @@ export class Stage {
     });
   }
 
+  // -- Places -----------------------------------------------------------------------------------------------------
+
   /** Where a place on the canvas is, in m. */
   place(px: number, py: number): [number, number] {
     const [sx, ox, sz, oz] = this.scale;
@@ -126,6 +131,21 @@ export class Stage {
     return this.point(at.map((value, a) => reference[axes * i + a] + this.factor * (value - reference[axes * i + a])));
   }
 
+  /** What symbols of a frame are drawn on. */
+  private surface({ frame, reference, layout }: Drawn, pen: Pen): Surface {
+    const isOff = (k: number) => frame.wheel_position && Number.isNaN(frame.contact_position[k * layout.axes.length]);
+    const contact = (k: number) => this.at(frame.contact_position, k, frame.contact_reference);
+    return {
+      ...pen,
+      contact,
+      wheel: (k) => (isOff(k) ? this.at(frame.wheel_position, k) : contact(k)),
+      body: (i) => this.at(frame.body_position, i, frame.body_reference),
+      node: (i) => this.at(frame.position, i, reference),
+      point: this.point,
+      metre: this.camera ? 12 : this.scale[0],
+    };
+  }
+
   /** Heights of the diagrams below the lines, in pixels. */
   private rows(height: number): number[] {
     const shown = this.scene?.picture.diagrams.filter(({ name }) => this.scene?.state.ranges[name]) ?? [];
@@ -134,28 +154,28 @@ export class Stage {
 
   private fit(width: number, height: number): void {
     const { x, z } = this.view;
-    const { height_factor } = this.scene?.state ?? { height_factor: 1 };
-    const bottom = MARGIN.bottom + this.rows(height).reduce((a, b) => a + b, 0);
+    const tall = this.scene?.state.height_factor ?? 1;
     const [low, high] = this.window(x);
-    const w = Math.max(high - low, 1e-9);
-    const h = Math.max(z[1] - z[0], 1e-9);
-    const [wide, free] = [width - MARGIN.left - MARGIN.right, Math.max(height - MARGIN.top - bottom, 20)];
-    const s = Math.min(wide / w, free / h / height_factor);
-    const ox = MARGIN.left + (wide - s * w) / 2 - s * low;
-    this.scale = [s, ox, -s * height_factor, MARGIN.top + free / 2 + (s * height_factor * (z[0] + z[1])) / 2];
+    const wide = width - MARGIN.left - MARGIN.right;
+    const free = Math.max(height - MARGIN.top - MARGIN.bottom - sum(this.rows(height)), 20);
+    const s = Math.min(wide / Math.max(high - low, 1e-9), free / Math.max(z[1] - z[0], 1e-9) / tall);
+    const ox = MARGIN.left + (wide - s * (high - low)) / 2 - s * low;
+    this.scale = [s, ox, -s * tall, MARGIN.top + free / 2 + (s * tall * (z[0] + z[1])) / 2];
   }
 
   /** What of the lines is seen: all, or what is around the contacts. */
   private window([low, high]: Range): Range {
     const { picture, frame, layout } = this.scene ?? {};
     if (!picture?.around || !frame || !layout) return [low, high];
-    const { length } = layout.axes;
-    const there = Array.from(frame.contact_position ?? []).filter((x, i) => i % length === 0 && Number.isFinite(x));
+    const all = Array.from(frame.contact_position ?? []);
+    const there = all.filter((x, i) => i % layout.axes.length === 0 && Number.isFinite(x));
     const [first, last] = there.length ? [Math.min(...there), Math.max(...there)] : [low, low];
     const wide = Math.min(last - first + 2 * picture.around, high - low);
     const left = Math.min(Math.max((first + last - wide) / 2, low), high - wide);
     return [left, left + wide];
   }
+
+  // -- Drawing ----------------------------------------------------------------------------------------------------
 
   private paint(): void {
     const { canvas, scene } = this;
@@ -169,6 +189,7 @@ export class Stage {
     ink.clearRect(0, 0, width, height);
     const style = getComputedStyle(canvas);
     const colour = (name: string) => style.getPropertyValue(name).trim();
+    this.pen = { ink, colour };
     ink.font = `12px ${style.fontFamily}`;
     ink.lineJoin = ink.lineCap = "round";
     this.fit(width, height);
@@ -180,116 +201,77 @@ export class Stage {
       ink.textAlign = "left";
       return;
     }
-    if (this.camera) this.inSpace(this.camera, ink, scene, colour);
-    else this.axes(ink, width, height, colour);
+    if (this.camera) this.inSpace(this.camera, scene, width, height);
+    else this.axes(scene, width, height);
     ink.save();
     if (scene.picture.around && !this.camera) {
       ink.beginPath();
-      ink.rect(MARGIN.left - 16, 0, width - MARGIN.left - MARGIN.right + 32, height);
+      ink.rect(EDGE.left, 0, width - EDGE.left - EDGE.right, height);
       ink.clip();
     }
-    if (scene.ghost?.length)
-      this.line(ink, scene.ghost, 0, scene.ghost.length / scene.layout.axes.length, colour("--ghost"), [7, 5]);
-    if (scene.beside) {
-      const { layout, frame, reference } = scene.beside;
-      for (const [, first, count] of this.camera ? [] : layout.nodes)
-        this.line(ink, frame.position, first, count, colour("--beside"), [], 2, reference);
-      this.symbols(ink, { ...scene, ...scene.beside }, () => colour("--beside"), false);
+    const { ghost, layout, beside } = scene;
+    if (ghost?.length) this.line(ghost, 0, ghost.length / layout.axes.length, colour("--ghost"), [7, 5]);
+    if (beside) {
+      for (const [, first, count] of this.camera ? [] : beside.layout.nodes)
+        this.line(beside.frame.position, first, count, colour("--beside"), [], 2, beside.reference);
+      this.symbols(beside, { ink, colour: () => colour("--beside") });
     }
-    this.symbols(ink, scene, colour, true);
-    if (!this.camera) this.links(ink, scene, colour);
+    this.symbols(scene, this.pen, true);
+    this.symbols(scene, this.pen);
+    if (!this.camera) this.links(scene);
     for (const [, node] of this.supportNodes())
-      triangle(ink, this.at(scene.frame.position, node, scene.reference), colour);
-    this.symbols(ink, scene, colour, false);
-    if (this.choices.arrows) this.forces(ink, scene, colour);
-    this.alerts(ink, scene, colour);
+      triangle(this.pen, this.at(scene.frame.position, node, scene.reference));
+    if (this.choices.arrows) this.forces(scene);
+    this.alerts(scene);
     ink.restore();
-    this.diagrams(ink, scene, width, height, colour);
-    this.key(ink, width, colour);
+    this.diagrams(scene, width, height);
+    this.key(scene, width);
   }
 
-  private symbols(
-    ink: CanvasRenderingContext2D,
-    scene: Scene,
-    colour: (name: string) => string,
-    behind: boolean,
-  ): void {
-    const { frame, reference, picture } = scene;
-    const surface: Surface = {
-      ink,
-      colour,
-      contact: (k) => this.at(frame.contact_position, k, frame.contact_reference),
-      wheel: (k) =>
-        this.at(
-          this.isOff(frame, k) ? frame.wheel_position : frame.contact_position,
-          k,
-          this.isOff(frame, k) ? undefined : frame.contact_reference,
-        ),
-      body: (i) => this.at(frame.body_position, i, frame.body_reference),
-      node: (i) => this.at(frame.position, i, reference),
-      point: this.point,
-      metre: this.camera ? 12 : this.scale[0],
-    };
-    for (const mark of picture.symbols) if (BEHIND.includes(mark.kind) === behind) symbol(surface, mark);
+  private symbols(drawn: Drawn, pen: Pen, behind = false): void {
+    const surface = this.surface(drawn, pen);
+    for (const mark of drawn.picture.symbols) if (BEHIND.includes(mark.kind) === behind) symbol(surface, mark);
   }
 
-  private isOff(frame: Frame, k: number): boolean {
-    return Number.isNaN(frame.contact_position[k * (this.scene?.layout.axes.length ?? 2)]) && !!frame.wheel_position;
-  }
-
-  private diagrams(
-    ink: CanvasRenderingContext2D,
-    scene: Scene,
-    width: number,
-    height: number,
-    colour: (name: string) => string,
-  ): void {
-    const { picture, state, reference, layout, film } = scene;
-    const rows = this.rows(height);
-    let top = height - MARGIN.bottom + 10 - rows.reduce((a, b) => a + b, 0);
-    const [left, right] = [MARGIN.left - 16, width - MARGIN.right + 16];
+  private diagrams({ picture, state, reference, layout, film, frame }: Scene, width: number, height: number): void {
+    const [left, right] = [EDGE.left, width - EDGE.right];
     const along = (node: number) => {
       const own = layout.nodes.find(([, first, count]) => node >= first && node < first + count) ?? ["", 0, 1];
       return left + ((node - own[1]) / Math.max(own[2] - 1, 1)) * (right - left);
     };
     const across = this.camera ? along : (node: number) => this.point(reference.subarray(2 * node, 2 * node + 2))[0];
-    picture.diagrams
-      .filter(({ name }) => state.ranges[name])
-      .forEach((quantity, k) => {
-        const shown = state.ranges[quantity.name] as Shown;
-        const place = { left, right, top, height: rows[k] };
-        diagram(ink, place, quantity, shown, scene, film?.envelope(quantity.name), across, colour);
-        top += rows[k];
-      });
+    const rows = this.rows(height);
+    let top = height - MARGIN.bottom + 10 - sum(rows);
+    for (const quantity of picture.diagrams) {
+      const shown = state.ranges[quantity.name];
+      if (!shown) continue;
+      const place = { left, right, top, height: rows[0] };
+      diagram(this.pen, place, quantity, shown, { layout, frame, envelope: film?.envelope(quantity.name), across });
+      top += rows[0];
+    }
   }
 
-  private inSpace(camera: Space, ink: CanvasRenderingContext2D, scene: Scene, colour: (name: string) => string): void {
-    const { clientWidth: width, clientHeight: height } = this.canvas;
-    const larger = ({ frame, reference }: Drawn) =>
-      this.factor === 1
-        ? frame.position
-        : frame.position.map((value, i) => reference[i] + this.factor * (value - reference[i]));
+  private inSpace(camera: Space, scene: Scene, width: number, height: number): void {
+    const { ink, colour } = this.pen;
     const { layout, frame, beside, picture, state } = scene;
-    camera.draw(
-      {
-        layout,
-        frame,
-        position: larger(scene),
-        colour: picture.colour,
-        shown: picture.colour && state.ranges[picture.colour.name],
-        floor: this.view.z[0],
-        beside: beside && { layout: beside.layout, position: larger(beside) },
-      },
-      width,
-      height,
-      colour,
-    );
+    const larger = ({ frame: { position }, reference }: Drawn) =>
+      this.factor === 1 ? position : position.map((value, i) => reference[i] + this.factor * (value - reference[i]));
+    const drawn = {
+      layout,
+      frame,
+      position: larger(scene),
+      colour: picture.colour,
+      shown: picture.colour && state.ranges[picture.colour.name],
+      floor: this.view.z[0],
+      beside: beside && { layout: beside.layout, position: larger(beside) },
+    };
+    camera.draw(drawn, width, height, colour);
     const { ways, floor } = camera.axes();
     const [x, y] = [52, height - 46];
     for (const [name, right, up] of ways) {
       const size = Math.hypot(right, up);
       if (size < 0.1) continue;
-      this.arrow(ink, [x, y], [right / size, -up / size], 32 * size, colour("--faint"));
+      this.arrow([x, y], [right / size, -up / size], 32 * size, colour("--faint"));
       ink.textAlign = "center";
       ink.fillText(name, x + 42 * right, y - 42 * up + 4);
     }
@@ -297,14 +279,11 @@ export class Stage {
     ink.fillText(floor, 110, height - 16);
   }
 
-  private alerts(
-    ink: CanvasRenderingContext2D,
-    { layout, frame, reference }: Scene,
-    colour: (name: string) => string,
-  ): void {
+  private alerts({ layout, frame, reference }: Scene): void {
+    const { ink, colour } = this.pen;
     const isNamed = (kind: string, name: string) =>
       this.doubted.some((key) => `${key}.`.startsWith(`${kind}.${name}.`) || `${kind}.${name}.`.startsWith(`${key}.`));
-    const places: [number, number][] = [];
+    const places: Spot[] = [];
     layout.loads.forEach((name, k) => {
       if (isNamed("loads", name)) places.push(this.at(frame.contact_position, k, frame.contact_reference));
     });
@@ -324,7 +303,6 @@ export class Stage {
   }
 
   private line(
-    ink: CanvasRenderingContext2D,
     p: Float32Array,
     first: number,
     count: number,
@@ -333,6 +311,7 @@ export class Stage {
     wide = 1.5,
     reference?: Float32Array,
   ): void {
+    const { ink } = this.pen;
     ink.beginPath();
     for (let i = first; i < first + count; i++) ink.lineTo(...this.at(p, i, reference));
     ink.strokeStyle = stroke;
@@ -342,8 +321,8 @@ export class Stage {
     ink.setLineDash([]);
   }
 
-  private links(ink: CanvasRenderingContext2D, scene: Scene, colour: (name: string) => string): void {
-    const { layout, frame, reference, picture, state } = scene;
+  private links({ layout, frame, reference, picture, state }: Scene): void {
+    const { ink, colour } = this.pen;
     const names = steps(colour("--dark") === "1");
     const shown = picture.colour && state.ranges[picture.colour.name];
     if (layout.cells.length) {
@@ -388,71 +367,71 @@ export class Stage {
     });
   }
 
-  pixel(node: number): [number, number] {
+  pixel(node: number): Spot {
     return this.scene ? this.at(this.scene.frame.position, node, this.scene.reference) : [0, 0];
   }
 
-  private forces(ink: CanvasRenderingContext2D, scene: Scene, colour: (name: string) => string): void {
-    const { frame, layout, reference } = scene;
+  /** Forces on lines: of each load as a whole, and of supports, those at one place together. */
+  private forces({ frame, layout, reference, picture }: Scene): void {
+    const { colour } = this.pen;
     const axes = layout.axes.length;
-    const own = axes === 2 ? [0, 1] : [0, 2];
-    const longest = 70 / (this.view.force || 1);
-    const one = (at: [number, number], force: number[], name: string, stroke: string) => {
-      const size = Math.hypot(...force);
-      if (!(size > 0) || Number.isNaN(at[0])) return;
-      const seen = this.camera?.axes().ways;
-      const [right, up] = [1, 2].map((a) =>
-        seen ? force.reduce((sum, f, k) => sum + f * (seen[k][a] as number), 0) : force[own[a - 1]],
-      );
-      const flat = Math.hypot(right, up) || 1;
-      const way = [right / flat, -up / flat];
-      const along = seen ? flat / size : 1; // what of it is not along the line of sight
-      const length = Math.max(along * Math.min(Math.max(size * longest, 14), 100), 14);
-      if (along > 0.2) this.arrow(ink, at, [way[0], way[1]], length, stroke);
-      else this.ring(ink, at, stroke);
-      ink.fillStyle = stroke;
-      ink.textAlign = way[0] < -0.3 ? "right" : way[0] > 0.3 ? "left" : "center";
-      const [x, z] = [at[0] + way[0] * (length + 8), at[1] + way[1] * (length + 8)];
-      const wide = ink.measureText(`${name}${written(size, "N")}`).width;
-      const inside = way[0] < -0.3 ? Math.max(x, wide + 4) : Math.min(x, this.canvas.clientWidth - wide - 4);
-      ink.fillText(`${name}${written(size, "N")}`, inside, z + (way[1] > 0.3 ? 10 : name ? -12 : 0));
-      ink.textAlign = "left";
-    };
-    const vector = (values: Float32Array | undefined, k: number) =>
-      values ? Array.from(values.subarray(k * axes, (k + 1) * axes)) : [];
-    layout.loads.forEach((_, k) => {
-      if (layout.loads.length > 12) return;
-      const at = this.at(frame.contact_position, k, frame.contact_reference);
-      const [force, hold] = [vector(frame.contact_force, k), vector(frame.hold_force, k)];
-      one(
-        at,
-        force.map((f, a) => f - (hold[a] || 0)),
-        "",
-        colour("--load"),
-      );
-      one(at, hold, "hold ", colour("--hold"));
-    });
-    if (layout.supports.length > 12) return;
-    for (const [, node, k] of this.supportNodes())
-      one(this.at(frame.position, node, reference), vector(frame.reaction, k), "", colour("--faint"));
+    const sumOf = (values: Float32Array | undefined, which: number[]) =>
+      Array.from({ length: axes }, (_, a) => sum(which.map((k) => values?.[k * axes + a] || 0)));
+    for (const { contacts = [] } of layout.loads.length > LABELLED ? [] : picture.symbols) {
+      const spots = contacts.map((k) => this.at(frame.contact_position, k, frame.contact_reference));
+      const there = spots.filter(([x]) => Number.isFinite(x));
+      const at = [0, 1].map((a) => sum(there.map((spot) => spot[a])) / there.length) as Spot;
+      const [force, hold] = [sumOf(frame.contact_force, contacts), sumOf(frame.hold_force, contacts)];
+      const own = force.map((f, a) => f - hold[a]);
+      this.force(at, own, "", colour("--load"));
+      this.force(at, hold, "hold ", colour("--hold"));
+    }
+    if (layout.supports.length > LABELLED) return;
+    const grouped = new Map<string, { at: Spot; which: number[] }>();
+    for (const [, node, k] of this.supportNodes()) {
+      const at = this.at(frame.position, node, reference);
+      const group = grouped.get(at.map(Math.round).join()) ?? { at, which: [] };
+      group.which.push(k);
+      grouped.set(at.map(Math.round).join(), group);
+    }
+    for (const { at, which } of grouped.values()) this.force(at, sumOf(frame.reaction, which), "", colour("--faint"));
   }
 
-  /** A force that points at who looks, or away. */
-  private ring(ink: CanvasRenderingContext2D, [x, z]: [number, number], stroke: string): void {
-    ink.strokeStyle = stroke;
-    ink.lineWidth = 2;
-    ink.beginPath();
-    ink.arc(x, z, 11, 0, 2 * Math.PI);
-    ink.stroke();
+  private force(at: Spot, force: number[], name: string, stroke: string): void {
+    const { ink, colour } = this.pen;
+    const size = Math.hypot(...force);
+    if (!(size > 0) || Number.isNaN(at[0])) return;
+    const seen = this.camera?.axes().ways;
+    const [right, up] = [1, 2].map((a) =>
+      seen ? sum(force.map((f, k) => f * (seen[k][a] as number))) : force[a === 1 ? 0 : force.length - 1],
+    );
+    const flat = Math.hypot(right, up) || 1;
+    const way: Spot = [right / flat, -up / flat];
+    const along = seen ? flat / size : 1; // what of it is not along the line of sight
+    const length = Math.max(along * Math.min(Math.max((size * 70) / (this.view.force || 1), 14), 100), 14);
+    if (along > 0.2) this.arrow(at, way, length, stroke);
+    else {
+      ink.strokeStyle = stroke; // it points at who looks, or away
+      ink.lineWidth = 2;
+      ink.beginPath();
+      ink.arc(at[0], at[1], 11, 0, 2 * Math.PI);
+      ink.stroke();
+    }
+    ink.textAlign = way[0] < -0.3 ? "right" : way[0] > 0.3 ? "left" : "center";
+    const [x, z] = [at[0] + way[0] * (length + 8), at[1] + way[1] * (length + 8)];
+    const text = `${name}${written(size, "N")}`;
+    const wide = ink.measureText(text).width;
+    const inside = way[0] < -0.3 ? Math.max(x, wide + 4) : Math.min(x, this.canvas.clientWidth - wide - 4);
+    ink.lineWidth = 3;
+    ink.strokeStyle = colour("--panel");
+    ink.fillStyle = stroke;
+    for (const draw of ["strokeText", "fillText"] as const)
+      ink[draw](text, inside, z + (way[1] > 0.3 ? 10 : name ? -12 : 0));
+    ink.textAlign = "left";
   }
 
-  private arrow(
-    ink: CanvasRenderingContext2D,
-    [x, z]: [number, number],
-    [a, b]: [number, number],
-    length: number,
-    stroke: string,
-  ): void {
+  private arrow([x, z]: Spot, [a, b]: Spot, length: number, stroke: string): void {
+    const { ink } = this.pen;
     const [ex, ez] = [x + a * length, z + b * length];
     ink.strokeStyle = ink.fillStyle = stroke;
     ink.lineWidth = 2;
@@ -468,36 +447,31 @@ export class Stage {
   }
 
   /** Level axis of places; upright axis of places, or of displacements where these are exaggerated. */
-  private axes(ink: CanvasRenderingContext2D, width: number, height: number, colour: (name: string) => string): void {
-    const scene = this.scene;
-    if (!scene || scene.layout.axes.length === 3) return;
+  private axes(scene: Scene, width: number, height: number): void {
+    if (scene.layout.axes.length === 3) return;
+    const { ink, colour } = this.pen;
     const low = height - MARGIN.bottom + 12;
-    const bottom = low - this.rows(height).reduce((a, b) => a + b, 0);
-    const [x0, z0] = this.place(MARGIN.left - 16, bottom);
-    const [x1, z1] = this.place(width - MARGIN.right + 16, 54);
+    const [x0, z0] = this.place(EDGE.left, low - sum(this.rows(height)));
+    const [x1, z1] = this.place(width - EDGE.right, 54);
     ink.strokeStyle = colour("--grid");
     ink.fillStyle = colour("--faint");
     ink.lineWidth = 1;
     const [sx, ox, sz, oz] = this.scale;
-    ink.textAlign = "center";
-    for (const x of ticks(x0, x1, 9)) {
-      const px = ox + sx * x;
+    const mark = (value: number, at: [number, number, number, number], x: number, z: number) => {
       ink.beginPath();
-      ink.moveTo(px, 50);
-      ink.lineTo(px, low);
+      ink.moveTo(at[0], at[1]);
+      ink.lineTo(at[2], at[3]);
       ink.stroke();
-      ink.fillText(`${+x.toPrecision(6)}`.replace("-", "−"), px, low + 15);
-    }
+      ink.fillText(`${+value.toPrecision(6)}`.replace("-", "−"), x, z);
+    };
+    ink.textAlign = "center";
+    for (const x of ticks(x0, x1, 9)) mark(x, [ox + sx * x, 50, ox + sx * x, low], ox + sx * x, low + 15);
     ink.textAlign = "right";
     const { label, level, size } = this.upright(scene);
-    for (const value of ticks((z0 - level) / size, (z1 - level) / size, 5)) {
+    const ends = [(z0 - level) / size, (z1 - level) / size];
+    for (const value of ticks(Math.min(...ends), Math.max(...ends), 5)) {
       const pz = oz + sz * (level + size * value);
-      ink.beginPath();
-      ink.moveTo(MARGIN.left - 16, pz);
-      ink.lineTo(width - MARGIN.right + 16, pz);
-      ink.stroke();
-      const shown = size < 0 || this.factor !== 1 ? Math.abs(value) * Math.sign(value) * Math.sign(size) : value;
-      ink.fillText(`${+shown.toPrecision(6)}`.replace("-", "−"), MARGIN.left - 21, pz + 4);
+      mark(value, [EDGE.left, pz, width - EDGE.right, pz], EDGE.left - 5, pz + 4);
     }
     ink.textAlign = "left";
     ink.fillText(label, 8, 44);
@@ -516,40 +490,32 @@ export class Stage {
     return { label: `${colour.label} (${shown.unit})${factors}`, level, size };
   }
 
-  private key(ink: CanvasRenderingContext2D, width: number, colour: (name: string) => string): void {
-    if (!this.scene) return;
-    const { picture, state } = this.scene;
+  /** The factor of displacements, the linear theory, and the bar of colours. */
+  private key({ picture, state, ghost }: Scene, width: number): void {
+    const { ink, colour } = this.pen;
     const quantity = picture.colour;
     const shown = quantity && state.ranges[quantity.name];
     ink.fillStyle = colour("--ink");
-    let left = 8;
     if (this.factor !== 1) {
-      const text = `${quantity?.unit === "m" ? quantity.label : "displacement"} × ${this.factor}`;
       ink.font = ink.font.replace("12px", "bold 13px");
-      ink.fillText(text, left, 24);
-      left += ink.measureText(text).width + 24;
+      ink.fillText(`${quantity?.unit === "m" ? quantity.label : "displacement"} × ${this.factor}`, 8, 24);
       ink.font = ink.font.replace("bold 13px", "12px");
     }
-    if (shown) this.bar(ink, width, quantity.label, shown, colour);
-    if (this.scene?.ghost?.length) {
-      ink.setLineDash([7, 5]);
-      ink.strokeStyle = colour("--ghost");
-      ink.lineWidth = 1.5;
-      ink.beginPath();
-      ink.moveTo(left, 20);
-      ink.lineTo(left + 34, 20);
-      ink.stroke();
-      ink.setLineDash([]);
-      ink.fillText("linear theory", left + 40, 24);
-    }
+    if (shown) this.bar(quantity.label, shown, width);
+    if (!ghost?.length) return;
+    ink.setLineDash([7, 5]);
+    ink.strokeStyle = colour("--ghost");
+    ink.lineWidth = 1.5;
+    ink.beginPath();
+    ink.moveTo(170, 20);
+    ink.lineTo(204, 20);
+    ink.stroke();
+    ink.setLineDash([]);
+    ink.fillText("linear theory", 210, 24);
   }
-  private bar(
-    ink: CanvasRenderingContext2D,
-    width: number,
-    label: string,
-    shown: Shown,
-    colour: (name: string) => string,
-  ): void {
+
+  private bar(label: string, shown: Shown, width: number): void {
+    const { ink, colour } = this.pen;
     const names = steps(colour("--dark") === "1");
     const [wide, right] = [shown.unit.length < 3 ? 150 : 190, width - 26];
     for (let k = 0; k < wide; k++) {
@@ -565,3 +531,5 @@ export class Stage {
     ink.textAlign = "left";
   }
 }
+
+const sum = (values: number[]) => values.reduce((a, b) => a + b, 0);

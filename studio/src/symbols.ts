@@ -2,10 +2,13 @@ import type { Mark } from "./picture";
 
 export type Spot = [number, number]; // pixels
 
-/** What symbols are drawn on, and where contacts, bodies and nodes are in the picture. */
-export interface Surface {
+export interface Pen {
   ink: CanvasRenderingContext2D;
   colour: (name: string) => string;
+}
+
+/** What symbols are drawn on, and where contacts, bodies and nodes are in the picture. */
+export interface Surface extends Pen {
   contact: (k: number) => Spot;
   wheel: (k: number) => Spot; // also before and behind the line
   body: (i: number) => Spot;
@@ -47,7 +50,7 @@ const DRAWN: Record<string, Drawing> = {
   tower: post,
   saddle: post,
   sheave: post,
-  bearing: (on, _, __, { at = [] }) => triangle(on.ink, on.point(at), on.colour),
+  bearing: (on, _, __, { at = [] }) => triangle(on, on.point(at)),
   dropper,
   place,
 };
@@ -101,7 +104,9 @@ function hung({ ink, metre }: Surface, wheels: Spot[], bodies: Spot[], { kind }:
   if (!wheels.length) return;
   const top = middle(wheels);
   if (wheels.length > 1) line(ink, ...wheels.map(([x, z]): Spot => [x, z - 3.5]));
-  for (const body of bodies) {
+  for (const place of bodies) {
+    const far = Math.hypot(place[0] - top[0], place[1] - top[1]) || 1;
+    const body = top.map((value, a) => value + (place[a] - value) * Math.max(24 / far, 1)) as Spot; // legible
     line(ink, top, body);
     const angle = Math.atan2(top[0] - body[0], body[1] - top[1]);
     const [wide, high] = kind === "cabin" ? [between(2.4 * metre, 16, 44), between(2.2 * metre, 14, 40)] : [12, 12];
@@ -200,7 +205,7 @@ function place({ ink, colour, node }: Surface, _: Spot[], __: Spot[], { nodes = 
 }
 
 /** A support below a point of a line. */
-export function triangle(ink: CanvasRenderingContext2D, [x, z]: Spot, colour: (name: string) => string): void {
+export function triangle({ ink, colour }: Pen, [x, z]: Spot): void {
   ink.beginPath();
   for (const [a, b] of [
     [0, 0],
