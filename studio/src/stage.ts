@@ -213,7 +213,7 @@ export class Stage {
     if (ghost?.length) this.line(ghost, 0, ghost.length / layout.axes.length, colour("--ghost"), [7, 5]);
     if (beside) {
       for (const [, first, count] of this.camera ? [] : beside.layout.nodes)
-        this.line(beside.frame.position, first, count, colour("--beside"), [], 2, beside.reference);
+        this.line(beside.frame.position, first, count, colour("--beside"), [], 3, beside.reference);
       this.symbols(beside, { ink, colour: () => colour("--beside") });
     }
     this.symbols(scene, this.pen, true);

@@ -147,8 +147,8 @@ function pantograph({ ink }: Surface, heads: Spot[]): void {
   ink.fillRect(x - 14, z + 43, 28, 5);
 }
 
-function mass({ ink }: Surface, contacts: Spot[], bodies: Spot[], { kind }: Mark): void {
-  for (const spot of contacts) dot(ink, spot, kind === "force" ? 4.5 : 6.5);
+function mass({ ink }: Surface, contacts: Spot[], bodies: Spot[]): void {
+  for (const spot of contacts) dot(ink, spot, 6.5);
   for (const spot of bodies) dot(ink, spot, 4);
 }
 

@@ -73,9 +73,11 @@ class Picture:
 
     Args:
         dataset: a result, or the first frames of it.
+        is_static: whether displacements of beams are measured from straight lines, as of an equilibrium, rather than
+            from the first frame.
     """
 
-    def __init__(self, dataset: xr.Dataset) -> None:
+    def __init__(self, dataset: xr.Dataset, is_static: bool = False) -> None:
         scenario = scenario_of(dataset)
         self.lines = list(dict.fromkeys(dataset["line"].values.tolist()))
         self.is_spatial = is_spatial(dataset)
@@ -83,7 +85,9 @@ class Picture:
         self.is_overhead = scenario is not None and bool(scenario.overhead_lines)
         self.colour: Quantity | None = self._colour(dataset, scenario)
         self.diagrams = self._diagrams(scenario)
-        self.reference = self._reference(dataset, scenario)
+        self.reference = np.array(dataset["position"].values[0], dtype=float)
+        if is_static or (scenario is not None and scenario.run.kind == "equilibrium"):
+            self._straighten(dataset)
         self.symbols: list[Symbol] = symbols_of(dataset, scenario, self.reference)
         self.ranges: dict[str, tuple[float, float]] = {}
         self._scenario, self._wheels = scenario, Wheels(dataset, scenario)
@@ -120,19 +124,13 @@ class Picture:
         )
         return [Quantity("deflection", "deflection", "m", "node", drawn, down=True), *bending]
 
-    def _reference(self, dataset: xr.Dataset, scenario: Scenario | None) -> Array:
-        """Return the positions (node, axis) that displacements are measured from, m.
-
-        These are the first ones, as for deflections in results; beams of an equilibrium have straight ones instead.
-        """
-        reference = np.array(dataset["position"].values[0], dtype=float)
-        if scenario is None or getattr(scenario.run, "kind", "") != "equilibrium":
-            return reference
+    def _straighten(self, dataset: xr.Dataset) -> None:
+        """Measure the displacements of beams from straight lines between their ends."""
+        reference = self.reference
         for name in self.beams:
             own = np.flatnonzero(dataset["line"].values == name)
             part = (dataset["xi"].values[own] / max(float(dataset["xi"].values[own[-1]]), 1e-12))[:, None]
             reference[own] = (1.0 - part) * reference[own[0]] + part * reference[own[-1]]
-        return reference
 
     # -- Frames ------------------------------------------------------------------------------------------------------
 

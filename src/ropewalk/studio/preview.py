@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ropewalk.model.joint import Joined
 from ropewalk.model.line import spatial
-from ropewalk.model.run import Equilibrium
 from ropewalk.results.contract import scenario_attributes
 from ropewalk.results.frame import IN_AIR, Array, Contacts, Layout
 from ropewalk.results.labelled import of_frames
@@ -37,22 +37,25 @@ def preview(scenario: Scenario) -> tuple[Layout, xr.Dataset] | None:
     columns = [0, 2] if len(axes) == 2 else [0, 1, 2]
     contacts = Contacts(1, len(starts), len(axes))
     for k, (_, line, start) in enumerate(starts):
-        if line in shapes and 0.0 <= start <= xi[line][-1]:
+        if line in shapes and line not in scenario.nets and 0.0 <= start <= xi[line][-1]:
             contacts.xi[0, k], contacts.state[0, k] = start, IN_AIR
             contacts.position[0, k] = [np.interp(start, xi[line], shapes[line][:, a]) for a in columns]
     names = [name for name, shape in shapes.items() for _ in shape]
     links = [name for name, shape in shapes.items() for _ in shape[1:]]
+    supports = (
+        f"{name}.{key.removesuffix('_support')}"
+        for name, line in scenario.lines.items() for key, support in line.ends() if not isinstance(support, Joined)
+    )  # fmt: skip
     layout = Layout(
         axes=axes, node_line=tuple(names), node_xi=np.concatenate([*xi.values()]), link_line=tuple(links),
         link_xi=np.zeros(len(links)), contact_load=tuple(name for name, _, _ in starts),
-        support=tuple(f"{name}.{end}" for name in scenario.lines for end in ("start", "end")),
+        support=tuple(supports),
     )  # fmt: skip
     still: dict[str, Array] = {
         "position": np.concatenate([*shapes.values()])[None, :, columns], "tension": np.zeros((1, len(links))),
         "reaction": np.zeros((1, len(layout.support), len(axes))), "body_position": np.zeros((1, 0, len(axes))),
     }  # fmt: skip
-    about = scenario_attributes(scenario.model_copy(update={"run": Equilibrium()}))
-    return layout, of_frames(layout, np.zeros(1), {**still, **contacts.fields()}, about)
+    return layout, of_frames(layout, np.zeros(1), {**still, **contacts.fields()}, scenario_attributes(scenario))
 
 
 def _lines(scenario: Scenario) -> Iterator[tuple[str, list[Any]]]:

@@ -119,7 +119,7 @@ def of_frame(layout: Layout, block: xr.Dataset, head: dict[str, Any], **more: Ar
         head: goes in front.
         more: further arrays.
     """
-    picture = Picture(block)
+    picture = Picture(block, is_static=True)
     drawn = picture.add(block) | {name: block[name].values for name in DISPLAYED if name in block}
     state = picture.state() | ({} if picture.beams else {"factor": 1.0})  # only the sag of ropes is known
     about = {"layout": described(layout), "picture": picture.described(), "state": state}
