@@ -276,7 +276,8 @@ export function numbersOf(film: Described, frame: Frame, dragged = ""): [string,
     rows.push([`largest ${quantity.label}`, said(high / shown.size, shown, 4)]);
     rows.push([`smallest ${quantity.label}`, said(low / shown.size, shown, 4)]);
   }
-  film.layout.loads.slice(0, 4).forEach((name, k) => {
+  const loads = film.layout.loads.length > 12 ? [] : film.layout.loads.slice(0, 4);
+  loads.forEach((name, k) => {
     const behind = frame.contact_tension?.[2 * k];
     const ahead = frame.contact_tension?.[2 * k + 1];
     const [x, z] = [frame.contact_position[k * axes], frame.contact_position[k * axes + axes - 1]];

@@ -27,7 +27,7 @@ def preview(scenario: Scenario) -> tuple[Layout, xr.Dataset] | None:
     found = list(_lines(scenario))
     if not found:
         return None
-    shapes = {name: _divided(np.array([spatial(point) for point in corners])) for name, corners in found}
+    shapes = {name: _subdivide(np.array([spatial(point) for point in corners])) for name, corners in found}
     xi = {name: np.append(0.0, np.cumsum(np.linalg.norm(np.diff(p, axis=0), axis=1))) for name, p in shapes.items()}
     axes = ("x", "z") if all(not shape[:, 1].any() for shape in shapes.values()) else ("x", "y", "z")
     starts = [
@@ -78,7 +78,7 @@ def _lines(scenario: Scenario) -> Iterator[tuple[str, list[Any]]]:
             yield name, [corner, corner + one, corner + one + other, corner + other, corner]
 
 
-def _divided(corners: Array) -> Array:
+def _subdivide(corners: Array) -> Array:
     """Return points on straight pieces between corners (corner, 3), m."""
     parts = [np.linspace(a, b, _POINTS)[:-1] for a, b in pairwise(corners)]
     return np.concatenate([*parts, corners[-1:]])
