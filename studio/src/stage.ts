@@ -76,7 +76,7 @@ export class Stage {
   }
 
   private get orbits(): boolean {
-    return this.scene?.orbits === true && this.scene.layout.axes.length === 3;
+    return this.scene?.orbits === true && this.scene.layout.axes.length === 3 && !this.scene.picture.around;
   }
 
   /** Fetch what draws in space; where the browser cannot, the elevation stays. */
@@ -117,7 +117,7 @@ export class Stage {
 
   /** Where a point is in the picture, in pixels. */
   private point = (at: ArrayLike<number>): Spot => {
-    if (this.camera) return this.camera.pixel([at[0], at[1], at[2]], this.canvas.clientWidth, this.canvas.clientHeight);
+    if (this.camera) return this.camera.pixel([at[0], at[1], at[2]]);
     const [sx, ox, sz, oz] = this.scale;
     return [ox + sx * at[0], oz + sz * at[at.length - 1]];
   };
@@ -239,7 +239,7 @@ export class Stage {
       const own = layout.nodes.find(([, first, count]) => node >= first && node < first + count) ?? ["", 0, 1];
       return left + ((node - own[1]) / Math.max(own[2] - 1, 1)) * (right - left);
     };
-    const across = this.camera ? along : (node: number) => this.point(reference.subarray(2 * node, 2 * node + 2))[0];
+    const across = this.camera ? along : (node: number) => this.at(reference, node)[0];
     const rows = this.rows(height);
     let top = height - MARGIN.bottom + 10 - sum(rows);
     for (const quantity of picture.diagrams) {
@@ -254,6 +254,7 @@ export class Stage {
   private inSpace(camera: Space, scene: Scene, width: number, height: number): void {
     const { ink, colour } = this.pen;
     const { layout, frame, beside, picture, state } = scene;
+    const low = sum(this.rows(height)); // of the diagrams below
     const larger = ({ frame: { position }, reference }: Drawn) =>
       this.factor === 1 ? position : position.map((value, i) => reference[i] + this.factor * (value - reference[i]));
     const drawn = {
@@ -265,9 +266,9 @@ export class Stage {
       floor: this.view.z[0],
       beside: beside && { layout: beside.layout, position: larger(beside) },
     };
-    camera.draw(drawn, width, height, colour);
+    camera.draw(drawn, width, height, low, colour);
     const { ways, floor } = camera.axes();
-    const [x, y] = [52, height - 46];
+    const [x, y] = [52, height - low - 46];
     for (const [name, right, up] of ways) {
       const size = Math.hypot(right, up);
       if (size < 0.1) continue;
@@ -276,7 +277,7 @@ export class Stage {
       ink.fillText(name, x + 42 * right, y - 42 * up + 4);
     }
     ink.textAlign = "left";
-    ink.fillText(floor, 110, height - 16);
+    ink.fillText(floor, 110, height - low - 16);
   }
 
   private alerts({ layout, frame, reference }: Scene): void {
@@ -448,7 +449,6 @@ export class Stage {
 
   /** Level axis of places; upright axis of places, or of displacements where these are exaggerated. */
   private axes(scene: Scene, width: number, height: number): void {
-    if (scene.layout.axes.length === 3) return;
     const { ink, colour } = this.pen;
     const low = height - MARGIN.bottom + 12;
     const [x0, z0] = this.place(EDGE.left, low - sum(this.rows(height)));
@@ -482,25 +482,25 @@ export class Stage {
   private upright({ picture, state, reference, layout }: Scene): { label: string; level: number; size: number } {
     const { colour } = picture;
     const shown = colour?.unit === "m" ? state.ranges[colour.name] : undefined;
-    const factors = state.height_factor === 1 ? "" : `, heights × ${state.height_factor}`;
-    if (this.factor === 1 || !colour || !shown) return { label: `z (m)${factors}`, level: 0, size: 1 };
+    if (this.factor === 1 || state.height_factor !== 1 || !colour || !shown) return { label: "z (m)", level: 0, size: 1 };
     const first = layout.nodes.find(([name]) => !colour.lines.length || colour.lines.includes(name))?.[1] ?? 0;
     const level = reference[layout.axes.length * (first + 1) - 1];
     const size = this.factor * shown.size * (colour.down ? -1 : 1);
-    return { label: `${colour.label} (${shown.unit})${factors}`, level, size };
+    return { label: `${colour.label} (${shown.unit})`, level, size };
   }
 
-  /** The factor of displacements, the linear theory, and the bar of colours. */
+  /** The factors, the linear theory, and the bar of colours. */
   private key({ picture, state, ghost }: Scene, width: number): void {
     const { ink, colour } = this.pen;
     const quantity = picture.colour;
     const shown = quantity && state.ranges[quantity.name];
     ink.fillStyle = colour("--ink");
-    if (this.factor !== 1) {
-      ink.font = ink.font.replace("12px", "bold 13px");
-      ink.fillText(`${quantity?.unit === "m" ? quantity.label : "displacement"} × ${this.factor}`, 8, 24);
-      ink.font = ink.font.replace("bold 13px", "12px");
-    }
+    const factors = [[quantity?.unit === "m" ? quantity.label : "displacement", this.factor]];
+    if (!this.camera) factors.push(["heights", state.height_factor]);
+    ink.font = ink.font.replace("12px", "bold 13px");
+    const larger = factors.filter(([, factor]) => factor !== 1).map((one) => one.join(" × "));
+    ink.fillText(larger.join(", "), 8, this.camera ? 56 : 24);
+    ink.font = ink.font.replace("bold 13px", "12px");
     if (shown) this.bar(quantity.label, shown, width);
     if (!ghost?.length) return;
     ink.setLineDash([7, 5]);

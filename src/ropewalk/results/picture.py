@@ -195,8 +195,8 @@ class Picture:
         bodies = dataset["body_position"].values
         shift = np.zeros(bodies.shape)
         for i in {i for i, _ in self._ties}:
-            own = [k for body, k in self._ties if body == i]
-            shift[:, i] = moved[:, own[len(own) // 2]]
+            tied = [k for body, k in self._ties if body == i]
+            shift[:, i] = moved[:, tied[len(tied) // 2]]
         return {
             "contact_position": place, "contact_reference": place - moved,
             "body_position": bodies, "body_reference": bodies - shift,
@@ -227,7 +227,7 @@ class Picture:
     @property
     def height_factor(self) -> float:
         """How many times as large heights are drawn: 1, or a round number where the lines are flat but not straight."""
-        if self.is_spatial or not len(self.reference):
+        if (self.is_spatial and not self.is_overhead) or not len(self.reference):
             return 1.0
         rise, is_curved = float(self._high[-1] - self._low[-1]), np.ptp(self.reference[:, -1]) > STRAIGHT * self.extent
         return style.nice(HIGH * self.extent / rise) if is_curved and rise < FLAT * self.extent else 1.0

@@ -62,8 +62,8 @@ def _lines(scenario: Scenario) -> Iterator[tuple[str, list[Any]]]:
     """Names and corners of lines, hangers, wires, and outlines of nets."""
     hung = {name: line for row in scenario.hangers for name, line in scenario.hung(row).items()}
     for name, line in (scenario.lines | hung).items():
-        between = [*line.sheaves.values(), *line.saddles.values()]
-        yield name, [line.start, *(support.at for support in between), line.end]
+        between = [*(sheave.at for sheave in line.sheaves.values()), *(saddle.at for saddle in line.saddles.values())]
+        yield name, [line.start, *between, line.end]
     for name, wires in scenario.overhead_lines.items():
         x, y, z = spatial(wires.start)
         at = [x, *(x + np.cumsum(wires.span_lengths)).tolist()]
