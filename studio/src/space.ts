@@ -19,8 +19,9 @@ import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 import { stepOf, steps } from "./colours";
-import { type Frame, type Layout, tensionsOf } from "./film";
+import type { Frame, Layout } from "./film";
 import { boxOf, turned, VIEWS } from "./orbit";
+import { type Quantity, type Shown, valuesAlong } from "./picture";
 import { element } from "./player";
 import "./space.css";
 import { ticks, written } from "./units";
@@ -30,7 +31,8 @@ export interface Drawn {
   layout: Layout;
   position: Float32Array;
   frame: Frame;
-  tension: [number, number];
+  colour: Quantity | null;
+  shown: Shown | null; // range of the colours
   floor: number; // m, how high it lies
   beside?: { layout: Layout; position: Float32Array };
 }
@@ -53,6 +55,7 @@ export class Space {
   private floor?: GridHelper;
   private layout?: Layout;
   private radius = 1;
+  private size: [number, number] = [1, 1]; // pixels
   private spacing = 1;
   private closing = new AbortController();
 
@@ -137,10 +140,12 @@ export class Space {
     event.stopPropagation(); // arrow keys alone step through time
   }
 
-  /** Draw; returns what says where a place is in the picture, in pixels. */
-  draw(drawn: Drawn, width: number, height: number, colour: Colour): void {
+  /** Draw, above so many pixels that are left free. */
+  draw(drawn: Drawn, width: number, height: number, free: number, colour: Colour): void {
     this.isShown = true;
-    if (this.layout !== drawn.layout) this.begin(drawn, width / height, colour);
+    this.size = [width, height - free];
+    const aspect = width / (height - free);
+    if (this.layout !== drawn.layout) this.begin(drawn, aspect, colour);
     this.ropes.set(drawn, colour);
     this.net.set(drawn, colour);
     const { beside } = drawn;
@@ -152,7 +157,8 @@ export class Space {
     this.others.drawn.visible = this.otherNet.threads.visible = beside !== undefined;
     this.renderer.setPixelRatio(devicePixelRatio || 1);
     this.renderer.setSize(width, height, false);
-    this.framed(width / height);
+    this.renderer.setViewport(0, free, ...this.size);
+    this.framed(aspect);
     this.floor?.position.setZ(drawn.floor);
     this.renderer.render(this.scene, this.camera);
   }
@@ -196,7 +202,8 @@ export class Space {
   }
 
   /** Where a place in space is in the picture, in pixels. */
-  pixel(place: [number, number, number], width: number, height: number): [number, number] {
+  pixel(place: [number, number, number]): [number, number] {
+    const [width, height] = this.size;
     const { x, y } = new Vector3(...place).project(this.camera);
     return [(0.5 + 0.5 * x) * width, (0.5 - 0.5 * y) * height];
   }
@@ -218,7 +225,7 @@ class Ropes {
   private places = new Float32Array(0);
   private tints = new Float32Array(0);
 
-  set({ layout, position, frame, tension }: Drawn, colour: Colour): void {
+  set({ layout, position, frame, colour: quantity, shown }: Drawn, colour: Colour): void {
     const runs = layout.nodes.filter(([name, , count]) =>
       layout.links.find(([l, , n]) => l === name && n === count - 1),
     );
@@ -231,10 +238,11 @@ class Ropes {
     const faint = new Color(colour("--beside")).toArray();
     let at = 0;
     for (const [name, first, count] of runs) {
-      const link = layout.links.find(([l]) => l === name)?.[1] ?? 0;
+      const value = valuesAlong(shown ? quantity : null, frame, layout, name);
       for (let i = 0; i < count - 1; i++, at += 6) {
         this.places.set(position.subarray(3 * (first + i), 3 * (first + i) + 6), at);
-        const tint = frame.tension ? table[stepOf(frame.tension[link + i], ...tension)] : faint;
+        const now = shown ? value(i) / shown.size : Number.NaN;
+        const tint = shown && Number.isFinite(now) ? table[stepOf(now, shown.low, shown.high)] : faint;
         this.tints.set(tint, at);
         this.tints.set(tint, at + 3);
       }
@@ -271,7 +279,7 @@ class Net {
     this.surface.frustumCulled = this.threads.frustumCulled = false;
   }
 
-  set({ layout, position, frame, tension }: Drawn, colour: Colour): void {
+  set({ layout, position, frame, colour: quantity, shown }: Drawn, colour: Colour): void {
     const { cells } = layout;
     this.surface.visible = this.threads.visible = cells.length > 0;
     if (!cells.length) return;
@@ -283,16 +291,16 @@ class Net {
       this.threads.geometry.setAttribute("position", new BufferAttribute(new Float32Array(position.length), 3));
       this.threads.geometry.setIndex(cells.flatMap(([a, b, c]) => [a, b, b, c, c, a]));
     }
-    this.threads.material.color.set(colour(frame.cell_tension ? "--faint" : "--beside"));
+    this.threads.material.color.set(colour(frame.position ? "--faint" : "--beside"));
     this.threads.geometry.attributes.position.array.set(position);
     this.threads.geometry.attributes.position.needsUpdate = true;
-    const { values, unit } = tensionsOf(layout, frame);
-    this.surface.visible = unit === "N/m"; // beside lines, whose tensions the colours tell, only its threads
-    if (!this.surface.visible) return;
+    const values = quantity?.of === "cell" ? frame[quantity.name] : undefined;
+    this.surface.visible = values !== undefined; // next to lines with colours only its threads
+    if (!values || !shown) return;
     const table = rgb(steps(colour("--dark") === "1"));
     const { position: places, color: tints } = this.surface.geometry.attributes;
     cells.forEach((cell, k) => {
-      const tint = table[stepOf(values[k], ...tension)];
+      const tint = table[stepOf(values[k] / shown.size, shown.low, shown.high)];
       cell.forEach((node, corner) => {
         places.array.set(position.subarray(3 * node, 3 * node + 3), 9 * k + 3 * corner);
         tints.array.set(tint, 9 * k + 3 * corner);

@@ -137,9 +137,11 @@ class ComputingProcess:
         names = [*scenario.lines, *scenario.overhead_lines, *scenario.nets, *scenario.loads]
         return {"problems": [], "title": scenario.title, "names": names, "kind": scenario.run.kind}
 
-    def _do_prepare(self, asked: Answer) -> Answer:
-        """A scenario made ready for dragging, with what can be changed by hand."""
+    def _do_prepare(self, asked: Answer) -> Answer | bytes:
+        """A scenario made ready for dragging, with what can be changed by hand; a picture where nothing can be."""
         from ropewalk.studio.poses import KEYS, Dragging, draggable, force_of
+        from ropewalk.studio.preview import preview
+        from ropewalk.studio.streams import of_frame
 
         scenario = self._scenario(asked)
         self._dragging = Dragging(scenario)
@@ -149,7 +151,10 @@ class ComputingProcess:
             line = scenario.lines[load.on]
             kept = {key: getattr(line, key) for key in KEYS}
             found.append({"name": name, "on": load.on, "force": force_of(scenario, name), "line": kept})
-        return {"title": scenario.title, "loads": found, "gravity": scenario.gravity}
+        head = {"title": scenario.title, "loads": found, "gravity": scenario.gravity}
+        if found or (declared := preview(scenario)) is None:
+            return head
+        return of_frame(*declared, {"id": asked["id"], **head})
 
     def _asked(self, asked: Answer) -> Asked:
         from ropewalk.studio.poses import Asked
@@ -161,20 +166,13 @@ class ComputingProcess:
 
     def _do_pose(self, asked: Answer) -> Answer | bytes:
         """The equilibrium with the load under the pointer."""
-        import numpy as np
-
-        from ropewalk.studio.messages import described, packed
-        from ropewalk.studio.streams import DISPLAYED
+        from ropewalk.studio.streams import of_pose
 
         if self._dragging is None:
             return {"error": "no scenario has been made ready"}
         pose = self._dragging.posed(self._asked(asked))
         self._xi = pose.xi
-        linear = np.zeros(0) if pose.linear is None else pose.linear
-        given = {name: getattr(pose.frame, name) for name in DISPLAYED}
-        arrays = {name: np.asarray(array) for name, array in given.items() if array is not None}
-        head = {"id": asked["id"], "layout": described(pose.layout), "xi": pose.xi, "warnings": pose.warnings}
-        return packed(head, {**arrays, "ghost": linear})
+        return of_pose(pose, self._dragging.attributes, {"id": asked["id"]})
 
     def _do_release(self, asked: Answer) -> Answer:
         """The motion of the load when it is let go where it was dragged to; not written to a file."""
@@ -210,6 +208,7 @@ class ComputingProcess:
 
     def _run(self, asked: Answer, scenario: Scenario, file: Path | None) -> Answer:
         from ropewalk.model.run import Dynamic, Linear, Quasistatic
+        from ropewalk.results.contract import scenario_attributes
         from ropewalk.simulate import must_compile, output_times, simulate
         from ropewalk.studio.streams import Streamed, stored
 
@@ -219,10 +218,8 @@ class ComputingProcess:
         total = run.positions if isinstance(run, Quasistatic) else 1
         if isinstance(run, Dynamic | Linear):
             total = int(output_times(run).size)
-        loads = {
-            name: {"on": load.on, "also_on": getattr(load, "also_on", ())} for name, load in scenario.loads.items()
-        }
-        send = Streamed(lambda message: self._send(ticket, False, message), {"id": number}, total, loads)
+        about = scenario_attributes(scenario)
+        send = Streamed(lambda message: self._send(ticket, False, message), {"id": number}, total, about)
         overwrite = bool(asked.get("overwrite"))
         dataset = simulate(scenario, file=file, overwrite=overwrite, progress=self._stop_if_asked, seen=send)
         with dataset:
