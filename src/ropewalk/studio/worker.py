@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 MOST_NODES = 50_000  # of a scenario in the studio
 _FAREWELL = 1.5  # s, from the end of the server
+ACKNOWLEDGED = -1  # ticket of the message that a stop has been heard
 EXPORTS = ("png", "svg", "pdf", "csv", "zip", "xlsx", "gif", "mp4")
 Answer = dict[str, Any]
 
@@ -91,7 +92,7 @@ class ComputingProcess:
         except RopewalkError as error:
             found = {"error": str(error)}
         except KeyboardInterrupt:
-            found = {"error": "stopped before there was anything to keep"}
+            found = {"error": "stopped before the first result"}
         except MemoryError:
             found = {"error": "this needs more memory than the studio may take (--memory)"}
         except RecursionError:
@@ -214,8 +215,9 @@ class ComputingProcess:
         from ropewalk.studio.streams import Streamed, stored
 
         number, ticket, run = asked["id"], asked["ticket"], scenario.run
-        if how_long := must_compile(scenario):
-            self._send(ticket, False, {"id": number, "event": "compiling", "how_long": how_long})
+        how_long = must_compile(scenario)
+        state = f"preparing, first run only ({how_long})" if how_long else "setting up"
+        self._send(ticket, False, {"id": number, "event": "state", "state": state})
         total = run.positions if isinstance(run, Quasistatic) else 1
         if isinstance(run, Dynamic | Linear):
             total = int(output_times(run).size)
@@ -236,6 +238,7 @@ class ComputingProcess:
             except EOFError:
                 raise KeyboardInterrupt from None
             if asked["do"] == "stop":
+                self._send(ACKNOWLEDGED, False, {})
                 raise KeyboardInterrupt
             self._waiting.append(asked)
 
