@@ -37,8 +37,20 @@ interface Told {
   released: (pose: Pose) => void;
 }
 
-const NEAR = 22; // pixels
+const NEAR = 22; // pixels around a handle in which the mouse grasps it
+const FINGER = 36; // pixels in which a finger does
 const WIDTH = 0.01; // m, of a line that has told none, in the wind that is made by hand
+
+/** Return the node that is nearest to a load. */
+function nearest({ position, contact_position }: Frame, { axes, loads }: Layout, load: string): number {
+  const k = Math.max(loads.indexOf(load), 0) * axes.length;
+  let [node, least] = [0, Number.POSITIVE_INFINITY];
+  for (let i = 0; i < position.length; i += axes.length) {
+    const distance = Math.hypot(...axes.map((_, a) => position[i + a] - contact_position[k + a]));
+    if (distance < least) [node, least] = [i / axes.length, distance];
+  }
+  return node;
+}
 
 /** The load under the pointer: the equilibrium for every place, and what else can be changed by hand. */
 export class Drag {
@@ -48,6 +60,7 @@ export class Drag {
   private gravity = 9.81;
   private view?: View;
   private grabbed = ""; // "load", or the name of a support
+  private loaded = 0; // node nearest to the load
   private latest = new Latest<{ pose: Pose; since: number }>(({ pose, since }) => this.ask(pose, since));
   /** For measurements: how long it took from what was done by hand to its picture, in ms. */
   readonly delays: number[] = [];
@@ -60,6 +73,9 @@ export class Drag {
     private told: Told,
   ) {
     canvas.addEventListener("pointerdown", (event) => this.down(event));
+    const touched = (event: TouchEvent) =>
+      this.load && this.handleAt(event.touches[0], FINGER) && event.preventDefault();
+    canvas.addEventListener("touchstart", touched, { passive: false }); // a swipe that starts on a handle does not scroll
     canvas.addEventListener("pointermove", (event) => this.move(event));
     canvas.addEventListener("pointerup", () => this.up());
     canvas.addEventListener("pointercancel", () => this.up());
@@ -127,6 +143,7 @@ export class Drag {
     const frame: Frame = {};
     for (const [name, { values }] of Object.entries(arrays)) frame[name] = values;
     const scene: Scene = { layout: head.layout as Layout, frame, ghost: frame.ghost };
+    this.loaded = nearest(frame, scene.layout, pose.load);
     this.view ??= this.room(scene);
     this.fit(scene);
     this.stage.show(scene, this.view);
@@ -164,24 +181,36 @@ export class Drag {
     view.force = Math.max(...[...reaction, ...contact_force].map((f) => Math.abs(f)).filter(Number.isFinite), 1);
   }
 
+  /** Pixels of the canvas at which a pointer is; the page may be zoomed. */
+  private pixel({ clientX, clientY }: { clientX: number; clientY: number }): [number, number] {
+    const box = this.canvas.getBoundingClientRect();
+    const zoom = this.canvas.clientWidth / box.width;
+    return [zoom * (clientX - box.left), zoom * (clientY - box.top)];
+  }
+
+  /** The handle near a pointer: a support of the line of the load, or the load; empty where there is none. */
+  private handleAt(pointer: { clientX: number; clientY: number }, reach: number): string {
+    const at = this.pixel(pointer);
+    const near = (node: number) => {
+      const [x, z] = this.stage.pixel(node);
+      return Math.hypot(x - at[0], z - at[1]) < reach;
+    };
+    const ends = this.stage.supportNodes().filter(([name]) => name.startsWith(`${this.load?.on}.`));
+    return ends.find(([, node]) => near(node))?.[0] ?? (near(this.loaded) ? "load" : "");
+  }
+
   private down(event: PointerEvent): void {
     if (!this.load) return;
-    const box = this.canvas.getBoundingClientRect();
-    const at = [event.clientX - box.left, event.clientY - box.top];
-    const near = (node: number) =>
-      Math.hypot(this.stage.pixel(node)[0] - at[0], this.stage.pixel(node)[1] - at[1]) < NEAR;
-    const support = this.stage
-      .supportNodes()
-      .find(([name, node]) => name.startsWith(`${this.load?.on}.`) && near(node));
-    this.grabbed = support ? support[0] : "load";
+    const isTouch = event.pointerType === "touch"; // elsewhere on the picture a finger scrolls, a mouse moves the load
+    this.grabbed = this.handleAt(event, isTouch ? FINGER : NEAR) || (isTouch ? "" : "load");
+    if (!this.grabbed) return;
     this.canvas.setPointerCapture(event.pointerId);
     this.move(event);
   }
 
   private move(event: PointerEvent): void {
     if (!this.grabbed || !this.load || !this.pose) return;
-    const box = this.canvas.getBoundingClientRect();
-    const [x, z] = this.stage.place(event.clientX - box.left, event.clientY - box.top);
+    const [x, z] = this.stage.place(...this.pixel(event));
     if (this.grabbed === "load") return this.want({ x });
     const end = this.grabbed.slice(this.grabbed.lastIndexOf(".") + 1);
     const old = this.load.line[end as "start" | "end"];

@@ -175,7 +175,7 @@ export class Stage {
     ink.clearRect(0, 0, width, height);
     const style = getComputedStyle(canvas);
     const colour = (name: string) => style.getPropertyValue(name).trim();
-    ink.font = `12px ${style.fontFamily}`;
+    ink.font = `${style.fontSize} ${style.fontFamily}`;
     ink.lineJoin = ink.lineCap = "round";
     this.fit(width, height);
     if (this.space && !this.camera) this.space.isShown = false;
