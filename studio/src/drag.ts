@@ -62,7 +62,7 @@ export class Drag {
   private grabbed = ""; // "load", or the name of a support
   private loaded = 0; // node nearest to the load
   private latest = new Latest<{ pose: Pose; since: number }>(({ pose, since }) => this.ask(pose, since));
-  /** For measurements: how long it took from what was done by hand to its picture, in ms. */
+  /** For tests: how long it took from what was done by hand to its picture, in ms. */
   readonly delays: number[] = [];
 
   constructor(
@@ -79,7 +79,8 @@ export class Drag {
     canvas.addEventListener("pointermove", (event) => this.move(event));
     canvas.addEventListener("pointerup", () => this.up());
     canvas.addEventListener("pointercancel", () => this.up());
-    Object.assign(globalThis, { ropewalkDelays: this.delays });
+    const loadPixel = () => stage.pixel(this.loaded);
+    Object.assign(globalThis, { ropewalkDelays: this.delays, ropewalkLoad: loadPixel });
   }
 
   /** Take up a scenario that the server has made ready. */

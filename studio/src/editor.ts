@@ -44,7 +44,7 @@ export class Editor {
         lintGutter(),
         keymap.of([indentWithTab]),
         autocompletion({ override: [(context) => this.complete(context)] }),
-        EditorView.contentAttributes.of({ "aria-label": "Scenario in YAML" }),
+        EditorView.contentAttributes.of({ "aria-label": "Scenario in YAML", tabindex: "0" }),
         EditorView.updateListener.of((update) => {
           if (update.docChanged) this.changed();
         }),

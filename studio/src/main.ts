@@ -439,9 +439,9 @@ async function compute(
   player.isOver = true;
   server.ask("files").then(({ head }) => head.error || list(head));
   if (mine !== turn) return false;
-  if (head.replaces && confirm(`${head.replaces} holds the result of another scenario. Replace it?`))
+  if (head.replaces && confirm(`${head.replaces} holds no result of this scenario. Replace it?`))
     return compute(what, { ...given, overwrite: true }, { other, step });
-  if (head.replaces) tell(`${head.replaces} holds the result of another scenario and was left as it is`, true);
+  if (head.replaces) tell(`${head.replaces} was not replaced`, true);
   else ended(head);
   return true;
 }

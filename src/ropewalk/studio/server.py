@@ -87,7 +87,7 @@ class Studio:
 
     async def _index(self, _: Request) -> Response:
         if not (PAGE / "index.html").is_file():
-            return PlainTextResponse("The page of the studio is not built. Build it (make studio) and reload this address.", 503)
+            return PlainTextResponse("the page of the studio is not built: make studio", 503)
         return FileResponse(PAGE / "index.html")
 
     async def _export(self, request: Request) -> Response:

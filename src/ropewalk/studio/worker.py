@@ -94,7 +94,7 @@ class ComputingProcess:
         except KeyboardInterrupt:
             found = {"error": "stopped before the first result"}
         except MemoryError:
-            found = {"error": "this needs more memory than the studio may take (--memory)"}
+            found = {"error": "this needs more memory than the studio may use; start the studio with a larger limit"}
         except RecursionError:
             found = {"error": "the blocks are nested too deeply"}
         except LookupError as error:
@@ -103,9 +103,11 @@ class ComputingProcess:
             found = {"error": f"ropewalk failed ({type(error).__name__}: {error}); this is a fault of ropewalk"}
         self._send(ticket, True, found if isinstance(found, bytes) else {"id": number, **found})
 
-    def _send(self, ticket: int, last: bool, message: Answer | bytes) -> None:
+    def _send(self, ticket: int, last: bool, message: Answer | bytes | str) -> None:
+        if not isinstance(message, bytes):
+            message = json.dumps(message).replace(f"{self._folder}{os.sep}", "")  # no full paths on the page
         try:
-            self._pipe.send((ticket, last, message if isinstance(message, bytes) else json.dumps(message)))
+            self._pipe.send((ticket, last, message))
         except OSError:  # the server has gone: a run ends as if it were stopped, and keeps what it has
             raise KeyboardInterrupt from None
 
@@ -129,7 +131,7 @@ class ComputingProcess:
         )
         for name, line in scenario.lines.items():
             if isinstance(elements := getattr(line, "elements", None), int) and elements > MOST_NODES:
-                remedy = f"write at most {MOST_NODES}, or run it from the command line"
+                remedy = f"use at most {MOST_NODES} in the studio"
                 raise ScenarioError([Problem(f"lines.{name}.elements", "is too much here", str(elements), remedy)])
 
     def _do_check(self, asked: Answer) -> Answer:
@@ -200,14 +202,21 @@ class ComputingProcess:
 
     def _do_run(self, asked: Answer) -> Answer:
         """A run as `ropewalk run` does it: its result is written while it goes on, unless it is not to be kept."""
+        from ropewalk.results import ResultError
+        from ropewalk.results.target import check_own
         from ropewalk.studio.folder import RESULTS, Folder
 
         scenario = self._scenario(asked)
         if asked.get("unkept"):
             return self._run(asked, scenario, None)
         self._bound_disk()
-        stem = Path(str(asked.get("name") or "scenario.yaml")).stem
-        return self._run(asked, scenario, Folder(self._folder).file(f"{stem}.nc", RESULTS))
+        file = Folder(self._folder).file(f"{Path(str(asked.get('name') or 'scenario.yaml')).stem}.nc", RESULTS)
+        if not asked.get("overwrite"):
+            try:
+                check_own(file, scenario)
+            except ResultError:  # the page asks whether to replace it
+                return {"replaces": file.name}
+        return self._run(asked, scenario, file)
 
     def _run(self, asked: Answer, scenario: Scenario, file: Path | None) -> Answer:
         from ropewalk.model.run import Dynamic, Linear, Quasistatic
