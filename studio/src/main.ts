@@ -410,10 +410,15 @@ async function halted(): Promise<boolean> {
 
 /** Return the answer of the server to something that takes time; `id`: of what is under way already. */
 async function computed(what: string, given: object, heard: Heard, id?: number): Promise<Record<string, unknown>> {
-  const asked = server.ask(id ? "resume" : what, given, heard, id);
+  const asked = server.ask(id ? "resume" : what, given, told, id);
   running = asked;
   isKept = what !== "release" && !("unkept" in given && given.unkept);
   const buttons = [run, computeSweep, compareModels];
+  function told(message: Message): void {
+    if (message.head.event !== "stopped") return heard(message);
+    under("stopped; completing the result");
+    for (const button of buttons) button.disabled = false;
+  }
   stop.disabled = false;
   for (const button of buttons) button.disabled = true;
   under("setting up");

@@ -1,4 +1,4 @@
-"""The colours of the page: text has a contrast of at least 4.5 to 1 (WCAG 2, level AA) to its ground, light and dark."""
+"""The colours of the page: text contrasts with its ground by at least 4.5 to 1 (WCAG 2, level AA), light and dark."""
 
 from __future__ import annotations
 

@@ -76,6 +76,7 @@ class ComputingProcess:
         self._disk = disk
         self._dragging: Dragging | None = None
         self._waiting = list[Answer]()
+        self._now = 0, 0  # ticket and number of the question
         self._xi = 0.0  # m, where the load was dragged to last
 
     def serve(self) -> None:
@@ -84,6 +85,7 @@ class ComputingProcess:
 
         asked = self._waiting.pop(0) if self._waiting else self._pipe.recv()
         ticket, number, do = asked["ticket"], asked["id"], str(asked["do"])
+        self._now = ticket, number
         try:
             answer: Callable[[Answer], Answer | bytes] | None = getattr(self, f"_do_{do}", None)
             found = {} if answer is None else answer(asked)
@@ -248,6 +250,7 @@ class ComputingProcess:
                 raise KeyboardInterrupt from None
             if asked["do"] == "stop":
                 self._send(ACKNOWLEDGED, False, {})
+                self._send(self._now[0], False, {"id": self._now[1], "event": "stopped"})
                 raise KeyboardInterrupt
             self._waiting.append(asked)
 
