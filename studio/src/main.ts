@@ -598,6 +598,7 @@ function redraw(): void {
   player.more();
   sweeps.draw();
 }
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
 addEventListener("keydown", (event) => {
   const control = event.ctrlKey || event.metaKey;
   if (control && event.key === "s") {
