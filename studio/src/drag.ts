@@ -280,6 +280,8 @@ export class Drag {
     const span = Math.hypot(...line.end.map((e, a) => e - line.start[a]));
     const change = (key: string) => (value: number) => this.want({ line: { ...this.pose?.line, [key]: value } });
     const weight = -force[force.length - 1];
+    const tension = line.tension || 1;
+    const shortest = Math.min(0.998 * span, line.length ?? span);
     this.place.replaceChildren(
       element("p", { class: "hint" }, "Drag the load or a support in the picture (arrow keys move the load)."),
       element("div", { class: "row" }, which, contact),
@@ -287,22 +289,8 @@ export class Drag {
         ? this.slider("weight", "N", weight, 0.02 * weight, 3 * weight, (value) => this.want({ weight: value }))
         : "",
       line.length === null
-        ? this.slider(
-            "tension",
-            "N",
-            line.tension ?? 0,
-            0.3 * (line.tension ?? 1),
-            3 * (line.tension ?? 1),
-            change("tension"),
-          )
-        : this.slider(
-            "length",
-            "m",
-            line.length,
-            Math.min(0.998 * span, line.length),
-            Math.max(1.2 * span, line.length),
-            change("length"),
-          ),
+        ? this.slider("tension", "N", tension, 0.3 * tension, 3 * tension, change("tension"))
+        : this.slider("length", "m", line.length, shortest, Math.max(1.2 * span, line.length), change("length")),
       this.slider("mass", "kg/m", line.mass, 0.05 * line.mass, 5 * line.mass, change("mass")),
       this.slider("wind", "m/s", 0, -40, 40, (wind) => {
         this.want({ wind, line: { wind_drag: line.wind_drag || WIDTH, ...this.pose?.line } });

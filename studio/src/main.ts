@@ -264,34 +264,25 @@ async function resume({ id, do: what, text = "", name = "", unkept }: UnderWay):
     if (stamp) file = { name, stamp };
     clean = saved ?? text;
     editor.text = text;
-    mark();
   }
   if (what === "sweep") sweepCases(id);
   else if (what === "models") simplerModels(id);
-  else compute("resume", { unkept }, { id });
+  else compute("resume", { unkept: unkept || what === "release" }, { id });
 }
 
 function list(head: Record<string, unknown>): void {
-  const group = (label: string, names: [string, string][]) => {
-    const made = element("optgroup", { label });
-    made.append(...names.map(([value, text]) => element("option", { value }, text)));
-    return made;
+  const named = (kind: string, names: unknown) => (names as string[]).map((name) => [`${kind}:${name}`, name]);
+  const groups = {
+    Scenarios: named("file", head.scenarios),
+    Results: named("result", head.results),
+    Examples: templates.map(({ name, title }) => [`template:${name}`, title]),
   };
-  open.replaceChildren(
-    element("option", { value: "" }, "Open…"),
-    group(
-      "Scenarios",
-      (head.scenarios as string[]).map((name) => [`file:${name}`, name]),
-    ),
-    group(
-      "Results",
-      (head.results as string[]).map((name) => [`result:${name}`, name]),
-    ),
-    group(
-      "Examples",
-      templates.map((t) => [`template:${t.name}`, t.title]),
-    ),
-  );
+  open.replaceChildren(element("option", { value: "" }, "Open…"));
+  for (const [label, options] of Object.entries(groups)) {
+    const group = element("optgroup", { label });
+    group.append(...options.map(([value, text]) => element("option", { value }, text)));
+    open.append(group);
+  }
 }
 
 let opening: Promise<void> = Promise.resolve();

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import secrets
-from contextlib import suppress
 from typing import Any
 
 from ropewalk.studio.pool import Forward, Message, Pool, Process
@@ -19,25 +17,24 @@ class Session:
     """The worker of one page and the computation that it has under way."""
 
     def __init__(self, pool: Pool, seconds: float) -> None:
-        self.is_attached = True
         self.ending: asyncio.Task[None] | None = None  # while no page is attached
         self._pool, self._seconds = pool, seconds
         self._process: Process | None = None
         self._stopping: asyncio.Task[None] | None = None
         self._answer: asyncio.Task[Message] | None = None
-        self._asked = dict[str, Any]()
+        self._asked, self._text = dict[str, Any](), dict[str, Any]()
         self._sent, self._page = list[Message](), None  # type: tuple[list[Message], Forward | None]
 
     @property
     def under_way(self) -> dict[str, Any] | None:
-        """The question whose answer the page does not have yet."""
-        return self._asked if self._answer is not None else None
+        """The question whose answer the page does not have yet, with the text that it is about."""
+        return None if self._answer is None else {**self._text, **self._asked}
 
     async def ask(self, asked: dict[str, Any], page: Forward) -> Message:
         """Return the answer of the worker.
 
         Args:
-            asked: question, as the page sent it.
+            asked: question, as the page sent it; `resume`: the one that is under way, from its first message on.
             page: takes the messages before the answer.
 
         Raises:
@@ -45,51 +42,39 @@ class Session:
         """
         if self._stopping is not None:
             await asyncio.shield(self._stopping)
-        if asked["do"] == "resume":
-            return await self._resume(page)
-        if self._process is None or not self._process.is_alive:
-            self._process = self._pool.lease()
-        if asked["do"] not in LONG or self._answer is not None:
-            return await self._process.ask(asked, page, within=600.0)
-        self._asked, self._page = asked, page
-        self._answer = asyncio.create_task(self._process.ask(asked, self._forward, within=self._seconds))
-        return await self._awaited()
+        if asked["do"] != "resume" or self._answer is None:
+            if self._process is None or not self._process.is_alive:
+                self._process = self._pool.lease()
+            self._text = {key: asked[key] for key in ("text", "name") if key in asked} or self._text
+            if asked["do"] not in LONG or self._answer is not None:
+                return await self._process.ask(asked, page, within=600.0)
+            self._asked = asked
+            self._answer = asyncio.create_task(self._process.ask(asked, self._forward, within=self._seconds))
+            self._answer.add_done_callback(lambda task: task.cancelled() or task.exception())  # may go unread
+        for message in self._sent:  # it may grow meanwhile
+            await page(message)
+        self._page = page
+        try:
+            return await asyncio.shield(self._answer)
+        finally:
+            if self._answer.done() and self.ending is None:
+                self._answer, self._page, self._sent = None, None, []
 
     async def _forward(self, message: Message) -> None:
         self._sent.append(message)
         if self._page is not None:
             await self._page(message)
 
-    async def _resume(self, page: Forward) -> Message:
-        """Send the messages of the computation under way from the first one, and return its answer."""
-        if self._answer is None:
-            return json.dumps({"id": self._asked.get("id", 0), "error": "nothing is being computed"})
-        for message in self._sent:  # it may grow meanwhile
-            await page(message)
-        self._page = page
-        return await self._awaited()
-
-    async def _awaited(self) -> Message:
-        answer = self._answer
-        assert answer is not None
-        try:
-            return await asyncio.shield(answer)
-        finally:
-            if answer.done() and self.is_attached:
-                self._answer, self._page, self._sent = None, None, []
-
     def stop(self) -> None:
         """Stop what is computed."""
         if self._process is not None and (self._stopping is None or self._stopping.done()):
             self._stopping = asyncio.create_task(self._process.stop())
 
-    def detach(self) -> None:
-        """Leave the page, which has closed."""
-        self.is_attached, self._page = False, None
-
     async def end(self) -> None:
-        """Give the worker back."""
+        """Continue without a page for a while if something is computed, then give the worker back."""
+        self._page = None
         if self._answer is not None:
+            await asyncio.sleep(GRACE)
             self._answer.cancel()
         if self._process is not None:
             await self._pool.give_back(self._process)
@@ -115,24 +100,17 @@ class Sessions:
                 break
             await asyncio.sleep(0.1)
         found = self._waiting.pop(name, None)
-        if found is None:
+        if found is None or (found.ending is not None and found.ending.done()):
             name, found = secrets.token_urlsafe(9), Session(self._pool, self._seconds)
         if found.ending is not None:
             found.ending.cancel()
-        found.is_attached = True
+            found.ending = None
         self._attached.add(name)
         return name, found
 
     def detach(self, name: str, session: Session) -> None:
         """Keep the session of a page that has closed for a while if it computes; end it otherwise."""
-        session.detach()
         self._attached.discard(name)
         self._waiting[name] = session
-        session.ending = asyncio.create_task(self._end(name, session))
-
-    async def _end(self, name: str, session: Session) -> None:
-        if session.under_way is not None:
-            await asyncio.sleep(GRACE)
-        self._waiting.pop(name, None)
-        with suppress(Exception):
-            await session.end()
+        session.ending = asyncio.create_task(session.end())
+        session.ending.add_done_callback(lambda task: task.cancelled() or self._waiting.pop(name, None))

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ropewalk.permission import STUDIO, forbid_code
+from ropewalk.studio.folder import RESULTS, Folder, check_inside
 
 if TYPE_CHECKING:
     from ropewalk.model.scenario import Scenario
@@ -124,7 +125,6 @@ class ComputingProcess:
     def _allow(self, scenario: Scenario) -> None:
         from ropewalk.errors import Problem, ScenarioError
         from ropewalk.external.models import refuse_code
-        from ropewalk.studio.folder import check_inside
 
         if not self._allow_code:
             refuse_code(scenario.loads)
@@ -135,6 +135,9 @@ class ComputingProcess:
             if isinstance(elements := getattr(line, "elements", None), int) and elements > MOST_NODES:
                 remedy = f"use at most {MOST_NODES} in the studio"
                 raise ScenarioError([Problem(f"lines.{name}.elements", "is too much here", str(elements), remedy)])
+
+    def _result(self, name: str) -> Path:
+        return Folder(self._folder).file(name, RESULTS)
 
     def _do_check(self, asked: Answer) -> Answer:
         """Every mistake in a text."""
@@ -189,8 +192,6 @@ class ComputingProcess:
 
     def _bound_disk(self) -> None:
         """Bound the files that are written from now on to what is left of the disk, or refuse to begin."""
-        from ropewalk.studio.folder import Folder
-
         if not self._disk:
             return
         bytes_left = Folder(self._folder).bytes_left(self._disk)
@@ -206,13 +207,12 @@ class ComputingProcess:
         """A run as `ropewalk run` does it: its result is written while it goes on, unless it is not to be kept."""
         from ropewalk.results import ResultError
         from ropewalk.results.target import check_own
-        from ropewalk.studio.folder import RESULTS, Folder
 
         scenario = self._scenario(asked)
         if asked.get("unkept"):
             return self._run(asked, scenario, None)
         self._bound_disk()
-        file = Folder(self._folder).file(f"{Path(str(asked.get('name') or 'scenario.yaml')).stem}.nc", RESULTS)
+        file = self._result(f"{Path(str(asked.get('name') or 'scenario.yaml')).stem}.nc")
         if not asked.get("overwrite"):
             try:
                 check_own(file, scenario)
@@ -257,12 +257,11 @@ class ComputingProcess:
     def _do_result(self, asked: Answer) -> Answer:
         """A result that is there, as if it had just been computed; of a sweep, its cases."""
         from ropewalk.results import open_result
-        from ropewalk.studio.folder import RESULTS, Folder
         from ropewalk.studio.streams import of_result, stored
         from ropewalk.studio.sweeps import described
         from ropewalk.sweeps.writing import read
 
-        file, number = Folder(self._folder).file(str(asked["name"]), RESULTS), asked["id"]
+        file, number = self._result(str(asked["name"])), asked["id"]
         if (many := read(file)) is not None:
             return {"file": file.name, "sweep": described(many)}
         ticket = asked["ticket"]
@@ -274,7 +273,6 @@ class ComputingProcess:
     def _do_sweep(self, asked: Answer) -> Answer:
         """The sweep of a scenario, as `ropewalk sweep` does it, into FILE.sweep.nc and FILE.sweep.jsonl."""
         from ropewalk.results import ResultError
-        from ropewalk.studio.folder import RESULTS, Folder
         from ropewalk.studio.sweeps import checked_plan, described
         from ropewalk.sweeps.plan import asked as wished
         from ropewalk.sweeps.sweeping import sweep
@@ -313,11 +311,10 @@ class ComputingProcess:
 
     def _do_case(self, asked: Answer) -> Answer:
         """The scenario of one case of a sweep."""
-        from ropewalk.studio.folder import RESULTS, Folder
         from ropewalk.studio.sweeps import case_of
         from ropewalk.sweeps.writing import read
 
-        file = Folder(self._folder).file(str(asked["name"]), RESULTS)
+        file = self._result(str(asked["name"]))
         if (many := read(file)) is None:
             return {"error": f"{file.name}: is no sweep"}
         return case_of(many, int(asked["row"]), self._allow, self._folder)
@@ -325,11 +322,10 @@ class ComputingProcess:
     def _do_export(self, asked: Answer) -> Answer | bytes:
         """A result as a figure, film, table, report, or a page that needs no server; a sweep as figure or table."""
         from ropewalk.results import figure, film, html_report, open_result, write_tables
-        from ropewalk.studio.folder import RESULTS, Folder
         from ropewalk.studio.share import shared
         from ropewalk.sweeps.writing import read, write
 
-        file, kind = Folder(self._folder).file(str(asked["name"]), RESULTS), str(asked["as"])
+        file, kind = self._result(str(asked["name"])), str(asked["as"])
         with tempfile.TemporaryDirectory() as place:
             made = Path(place) / f"{file.stem}.{kind}"
             if (many := read(file)) is not None:
@@ -337,23 +333,21 @@ class ComputingProcess:
                     return {"error": f"{kind}: sweeps are exported as png, svg, pdf, csv or xlsx"}
                 write(many, made)
                 return made.read_bytes()
+            if kind not in ("page", "report", *EXPORTS):
+                return {"error": f"{kind}: results are exported as page, report, {', '.join(EXPORTS)}"}
             with open_result(file) as dataset:
-                if kind == "page":
-                    return shared(dataset).encode()
-                if kind == "report":
-                    return html_report(dataset).encode()
+                if kind in ("page", "report"):
+                    return (shared if kind == "page" else html_report)(dataset).encode()
                 if kind in ("png", "svg", "pdf"):
                     figure(dataset).savefig(made)
-                elif kind in ("csv", "xlsx"):
-                    made = write_tables(dataset, made)[0]
+                elif kind in ("gif", "mp4"):
+                    film(dataset, made)
                 elif kind == "zip":  # all tables, where they are files of their own
                     with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as several:
                         for table in write_tables(dataset, made.with_suffix(".csv")):
                             several.write(table, table.name)
-                elif kind in ("gif", "mp4"):
-                    film(dataset, made)
                 else:
-                    return {"error": f"{kind}: results are exported as page, report, {', '.join(EXPORTS)}"}
+                    made = write_tables(dataset, made)[0]
                 return made.read_bytes()
 
 
