@@ -15,8 +15,8 @@ from ropewalk.studio.worker import main
 Message = str | bytes
 Forward = Callable[[Message], Awaitable[None]]
 
-_PATIENCE = 0.7  # s that a worker may take to acknowledge a stop; it does not while it compiles or sets up a run
-_WRITING = 30.0  # s that a worker may take to complete its result after it has acknowledged a stop
+PATIENCE = 0.7  # s that a worker may take to acknowledge a stop; it does not while it compiles or sets up a run
+LONG_PATIENCE = 30.0  # s that it may take to complete its result, or the case of a sweep
 _FAREWELL = 0.7  # s, that all workers have when the server ends
 _CONTEXT = multiprocessing.get_context("spawn")
 
@@ -53,11 +53,6 @@ class Process:
         """Whether it has answered all."""
         return not self._waiting
 
-    @property
-    def pid(self) -> int:
-        """Number of the process."""
-        return self._process.pid or 0
-
     async def ask(self, asked: dict[str, Any], forward: Forward | None = None, within: float | None = None) -> Message:
         """Ask, and wait for the answer.
 
@@ -90,7 +85,7 @@ class Process:
         with suppress(OSError):
             self._put({"id": 0, "ticket": 0, "do": do})
 
-    async def stop(self, patience: float = _PATIENCE) -> None:
+    async def stop(self, patience: float = PATIENCE) -> None:
         """Stop the computation; end the process if it does not acknowledge that within `patience`, s."""
         if self.is_idle:
             return
@@ -99,14 +94,14 @@ class Process:
         futures = [future for future, _ in self._waiting.values()]
         _, late = await asyncio.wait(futures, timeout=patience)
         if late and self._acknowledged.is_set():
-            _, late = await asyncio.wait(late, timeout=_WRITING)
+            _, late = await asyncio.wait(late, timeout=LONG_PATIENCE)
         if late:
             self.kill("stopped")
 
     async def abandon(self) -> None:
         """Stop what it does for a page that has gone."""
         self._waiting = {number: (future, None) for number, (future, _) in self._waiting.items()}
-        await self.stop(_WRITING)
+        await self.stop(LONG_PATIENCE)
         self._waiting.clear()
 
     def kill(self, why: str = "the studio has ended") -> None:

@@ -6,7 +6,7 @@ import asyncio
 import secrets
 from typing import Any
 
-from ropewalk.studio.pool import Forward, Message, Pool, Process
+from ropewalk.studio.pool import LONG_PATIENCE, PATIENCE, Forward, Message, Pool, Process
 
 LONG = ("run", "release", "sweep", "models")  # computations that continue while their page is reloaded
 GRACE = 10.0  # s for which a computation continues without its page
@@ -68,7 +68,8 @@ class Session:
     def stop(self) -> None:
         """Stop what is computed."""
         if self._process is not None and (self._stopping is None or self._stopping.done()):
-            self._stopping = asyncio.create_task(self._process.stop())
+            patience = LONG_PATIENCE if self._asked.get("do") == "sweep" else PATIENCE  # a sweep listens between cases
+            self._stopping = asyncio.create_task(self._process.stop(patience))
 
     async def end(self) -> None:
         """Continue without a page for a while if something is computed, then give the worker back."""
