@@ -1,7 +1,7 @@
 import type { ByHand } from "./byhand";
 import { type Connection, Latest } from "./connection";
 import type { Frame, Layout } from "./film";
-import { element } from "./player";
+import { button, element } from "./player";
 import type { Scene, Stage, View } from "./stage";
 import { written } from "./units";
 
@@ -262,20 +262,13 @@ export class Drag {
     which.append(...this.loads.map((one) => element("option", { value: one.name }, one.name)));
     which.value = load.name;
     which.onchange = () => this.take(this.loads.find((one) => one.name === which.value));
-    const go = element(
-      "button",
-      { type: "button", title: "It slides and swings as a mass that weighs as much" },
-      "Let go",
-    );
-    go.onclick = () => this.pose && this.told.released(this.pose);
-    const reset = element("button", { type: "button" }, "As in the file");
-    reset.onclick = () => this.take(load, this.pose?.contact);
-    const keep = element(
-      "button",
-      { type: "button", title: "Write what was changed by hand into the text" },
-      "Into the text",
-    );
-    keep.onclick = () => this.byHand && this.told.taken(this.byHand);
+    const go = button("Let go", () => this.pose && this.told.released(this.pose), {
+      title: "It slides and swings as a mass that weighs as much",
+    });
+    const reset = button("As in the file", () => this.take(load, this.pose?.contact));
+    const keep = button("Into the text", () => this.byHand && this.told.taken(this.byHand), {
+      title: "Write what was changed by hand into the text",
+    });
     const { line, force } = load;
     const span = Math.hypot(...line.end.map((e, a) => e - line.start[a]));
     const change = (key: string) => (value: number) => this.want({ line: { ...this.pose?.line, [key]: value } });

@@ -10,7 +10,7 @@ import { Film } from "./film";
 import { Form } from "./form";
 import { Lesson, type Step } from "./lesson";
 import type { Message } from "./messages";
-import { element, numbersOf, Player } from "./player";
+import { button, element, numbersOf, Player } from "./player";
 import { Plots } from "./plots";
 import type { Schema } from "./schema";
 import { Stage } from "./stage";
@@ -30,22 +30,18 @@ const status = element("span", { class: "status", role: "status" }, "connecting"
 const state = element("p", { class: "state", role: "status", hidden: "" }); // of what is computed, in the picture
 const open = element("select", { "aria-label": "Open", title: "Open a scenario, a result or an example" });
 const opened = element("strong", { class: "file" });
-const save = element("button", { type: "button", title: "Save to the file that was opened (Ctrl+S)" }, "Save");
-const saveAs = element("button", { type: "button" }, "Save as…");
-const run = element("button", { type: "button", class: "main", title: "Compute the scenario (Ctrl+Enter)" }, "Run");
-const stop = element("button", { type: "button", disabled: "" }, "Stop");
-const drag = element("button", { type: "button", title: "Drag the load; the rope answers" }, "Drag the load");
-const keep = element("button", { type: "button", title: "Draw this run faintly under the next one" }, "Keep beside");
-const theme = element(
-  "button",
-  { type: "button", class: "icon", "aria-label": "Light or dark", title: "Light or dark" },
-  "◐",
-);
-const large = element(
-  "button",
-  { type: "button", class: "icon", "aria-label": "Large type", title: "Large type, for projectors" },
-  "A",
-);
+const save = button("Save", () => write(file.name, file.stamp), { title: "Save to the file that was opened (Ctrl+S)" });
+const saveAs = button("Save as…");
+const run = button("Run", undefined, { class: "main", title: "Compute the scenario (Ctrl+Enter)" });
+const stop = button("Stop", undefined, { disabled: "" });
+const drag = button("Drag the load", undefined, { title: "Drag the load; the rope answers" });
+const keep = button("Keep beside", undefined, { title: "Draw this run faintly under the next one" });
+const theme = button("◐", undefined, { class: "icon", "aria-label": "Light or dark", title: "Light or dark" });
+const large = button("A", undefined, {
+  class: "icon",
+  "aria-label": "Large type",
+  title: "Large type, for projectors",
+});
 const canvas = element("canvas", {
   tabindex: "0",
   role: "img",
@@ -57,18 +53,16 @@ const said = element("div");
 const summary = element("pre", { class: "summary", tabindex: "0", "aria-label": "Summary" });
 const exports = element("div", { class: "row" });
 const compared = element("div");
-const compareModels = element(
-  "button",
-  { type: "button", title: "Run simpler models of the scenario, from the linear theory upwards" },
-  "Compare with simpler models",
-);
+const compareModels = button("Compare with simpler models", () => simplerModels(), {
+  title: "Run simpler models of the scenario, from the linear theory upwards",
+});
 const written = element("div", { class: "editor" });
 const problems = element("ul", { class: "problems", "aria-label": "Mistakes", "aria-live": "polite" });
 const values = element("div", { class: "values" });
 const lessons = element("div");
 const filled = element("div");
 const swept = element("div");
-const computeSweep = element("button", { type: "button" }, "Compute the sweep");
+const computeSweep = button("Compute the sweep", () => sweepCases());
 
 const tabs = {
   values: element("div", { class: "tab" }, values),
@@ -235,7 +229,7 @@ async function greet(): Promise<void> {
     editor.learn(message.head.schema as Schema);
     form.learn(message.head.schema as Schema);
   });
-  if (head.under_way) return resume(head.under_way as UnderWay);
+  if (head.under_way) return resume(head.under_way as Record<string, string>);
   if (editor.text) {
     prepare(); // the connection was lost: what is on the page stays
     return;
@@ -249,25 +243,17 @@ async function greet(): Promise<void> {
   }
 }
 
-interface UnderWay {
-  id: number;
-  do: string;
-  text?: string;
-  name?: string;
-  unkept?: boolean;
-}
-
 /** Come back to what the server computes for this page, which was reloaded. */
-async function resume({ id, do: what, text = "", name = "", unkept }: UnderWay): Promise<void> {
+async function resume({ id, do: what, text = "", name = "", unkept }: Record<string, string>): Promise<void> {
   if (!editor.text) {
     const { stamp, text: saved } = (unkept ? {} : (await server.ask("read", { name })).head) as Record<string, string>;
     if (stamp) file = { name, stamp };
     clean = saved ?? text;
     editor.text = text;
   }
-  if (what === "sweep") sweepCases(id);
-  else if (what === "models") simplerModels(id);
-  else compute("resume", { unkept: unkept || what === "release" }, { id });
+  if (what === "sweep") sweepCases(Number(id));
+  else if (what === "models") simplerModels(Number(id));
+  else compute("resume", { unkept: unkept || what === "release" }, { id: Number(id) });
 }
 
 function list(head: Record<string, unknown>): void {
@@ -327,7 +313,6 @@ async function write(name: string, stamp: string): Promise<void> {
   list((await server.ask("files")).head);
 }
 
-save.onclick = () => write(file.name, file.stamp);
 saveAs.onclick = () => {
   const name = prompt("Name of the file, in the folder of the studio", file.name || "scenario.yaml");
   if (name) write(name, name === file.name ? file.stamp : "");
@@ -343,11 +328,13 @@ async function check(prepares = false): Promise<boolean> {
   remarked();
   problems.replaceChildren(
     ...(found.length
-      ? found.map((problem) => {
-          const button = element("button", { type: "button" }, `line ${problem.line ?? "–"}: ${problem.message}`);
-          button.onclick = () => editor.goTo(problem.line ?? 1);
-          return element("li", {}, button);
-        })
+      ? found.map(({ line, message }) =>
+          element(
+            "li",
+            {},
+            button(`line ${line ?? "–"}: ${message}`, () => editor.goTo(line ?? 1)),
+          ),
+        )
       : [element("li", { class: "fine" }, "No mistakes.")]),
   );
   if (prepares && !found.length && !running && !player.isActive) prepare();
@@ -467,12 +454,11 @@ function doubts(told: { warnings?: string[]; doubts?: Doubt[] }): void {
   stage.doubted = doubtful.map((doubt) => doubt.key);
   player.mark(doubtful);
   remarked();
-  said.replaceChildren(...listed(doubtful, told.warnings ?? [], { go: (time) => player.stop(time), open: openKey }));
-}
-
-function openKey(key: string): void {
-  show("form");
-  form.goTo(key);
+  const open = (key: string) => {
+    show("form");
+    form.goTo(key);
+  };
+  said.replaceChildren(...listed(doubtful, told.warnings ?? [], { go: (time) => player.stop(time), open }));
 }
 
 /** What the form tells at its fields: mistakes, and doubts about the run that is shown. */
@@ -551,8 +537,6 @@ async function sweepCases(id?: number): Promise<void> {
   const files = (await server.ask("files")).head;
   if (!files.error) list(files);
 }
-compareModels.onclick = () => simplerModels();
-computeSweep.onclick = () => sweepCases();
 
 async function begin(step: Step): Promise<void> {
   if (!(await halted())) return;

@@ -15,6 +15,13 @@ export function element<K extends keyof HTMLElementTagNameMap>(
   return made;
 }
 
+/** A button, with what it does and further attributes. */
+export function button(text: string, act?: () => unknown, given: Partial<Record<string, string>> = {}) {
+  const made = element("button", { type: "button", ...given }, text);
+  if (act) made.onclick = () => act();
+  return made;
+}
+
 /** Plays the frames of a run: those that are there, while others come. */
 export class Player {
   readonly bar: HTMLElement;
@@ -26,11 +33,11 @@ export class Player {
   private playing = false;
   private last = 0;
   private seen = -1;
-  private play = element(
-    "button",
-    { type: "button", class: "icon", title: "Play or pause (space)", "aria-label": "Play" },
-    "▶",
-  );
+  private play = button("▶", () => this.toggle(), {
+    class: "icon",
+    title: "Play or pause (space)",
+    "aria-label": "Play",
+  });
   private slider = element("input", {
     type: "range",
     min: "0",
@@ -66,7 +73,6 @@ export class Player {
       this.pace,
       this.larger,
     );
-    this.play.onclick = () => this.toggle();
     this.slider.oninput = () => {
       this.playing = false;
       this.go(this.slider.valueAsNumber);
@@ -107,9 +113,8 @@ export class Player {
     const marks = timed.map((one) => {
       const time = one.time ?? 0;
       const about = { title: `${one.text}`, "aria-label": `Doubt at ${time} s` };
-      const mark = element("button", { type: "button", class: "alert", ...about }, "!");
+      const mark = button("!", () => this.stop(time), { class: "alert", ...about });
       mark.style.left = `calc(8px + ${time / Math.max(film.end, 1e-9)} * (100% - 16px))`;
-      mark.onclick = () => this.stop(time);
       return mark;
     });
     this.marks.replaceChildren(...marks);

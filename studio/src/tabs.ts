@@ -1,4 +1,4 @@
-import { element } from "./player";
+import { button, element } from "./player";
 
 /**
  * Give panels a bar of tabs, of which one is shown; arrow keys, Home and End choose among them.
@@ -13,15 +13,10 @@ export function tabbed<Key extends string>(
   const bar = element("div", { class: "tabs", role: "tablist", "aria-label": "Panels" });
   const keys = Object.keys(panels) as Key[];
   const buttons = keys.map((key) => {
-    const button = element(
-      "button",
-      { type: "button", role: "tab", id: `tab-${key}`, "aria-controls": key },
-      names[key],
-    );
+    const made = button(names[key], () => show(key), { role: "tab", id: `tab-${key}`, "aria-controls": key });
     const about = { id: key, role: "tabpanel", "aria-labelledby": `tab-${key}`, tabindex: "0" };
     for (const [name, value] of Object.entries(about)) panels[key].setAttribute(name, value);
-    button.onclick = () => show(key);
-    return button;
+    return made;
   });
   function show(shown: Key): void {
     keys.forEach((key, i) => {
@@ -32,14 +27,14 @@ export function tabbed<Key extends string>(
     opened(shown);
   }
   bar.onkeydown = (event) => {
-    const now = buttons.findIndex((button) => button === event.target);
+    const now = buttons.indexOf(event.target as HTMLButtonElement);
     const next = { ArrowRight: now + 1, ArrowLeft: now - 1, Home: 0, End: -1 }[event.key];
     if (next === undefined) return;
     event.preventDefault();
     event.stopPropagation(); // elsewhere the same keys step through time
-    const button = buttons.at(next % keys.length);
-    button?.click();
-    button?.focus();
+    const chosen = buttons.at(next % keys.length);
+    chosen?.click();
+    chosen?.focus();
   };
   bar.append(...buttons);
   return { bar, show };
