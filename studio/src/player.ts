@@ -33,6 +33,7 @@ export class Player {
   private playing = false;
   private last = 0;
   private seen = -1;
+  private hasMore = false;
   private play = button("▶", () => this.toggle(), {
     class: "icon",
     title: "Play or pause (space)",
@@ -174,10 +175,15 @@ export class Player {
     this.go(this.film.path[i]);
   }
 
-  /** More frames have come. */
+  /** Show frames that have come, with the next picture: many messages may come before it. */
   more(): void {
-    this.view = undefined;
-    this.refresh();
+    if (this.hasMore) return;
+    this.hasMore = true;
+    requestAnimationFrame(() => {
+      this.hasMore = false;
+      this.view = undefined;
+      this.refresh();
+    });
   }
 
   private tick = (clock: number): void => {
