@@ -492,9 +492,10 @@ function ended(head: Record<string, unknown>): void {
 async function result(name: string): Promise<void> {
   if (!(await halted())) return;
   const mine = anew();
-  player.isOver = true;
+  player.isOver = false; // a film plays until its last frame has come
   under("opening");
   const { head } = await server.ask("result", { name }, (message) => heard(message, mine, beside));
+  player.isOver = true;
   if (mine !== turn) return;
   under("");
   shown = name;

@@ -84,6 +84,7 @@ await check({ context, wrong }, async () => {
   await page.waitForFunction(() => document.querySelectorAll(".export").length > 0);
   await page.waitForTimeout(300);
   must((await page.getByText("Interactive page").count()) === 1, "exports are shown twice");
+  await page.waitForFunction(() => Number.parseFloat(document.querySelector(".clock").value) > 0); // it plays
 
   // in every tab, light, dark, on a telephone and in large type: no faults of access, nothing wider than the page
   for (const look_ of ["light", "dark", "telephone", "large"]) {
