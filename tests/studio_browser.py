@@ -11,6 +11,6 @@ NODE = shutil.which("node")
 LACKING = (
     "there is no Chromium" if not any(Path(one).exists() for one in BROWSERS)
     else "there is no Node" if NODE is None
-    else "the front end is not built: make studio" if not (FRONT / "node_modules" / "playwright-core").is_dir()
+    else "the front end is not built: make studio" if not (FRONT / "node_modules" / "axe-core").is_dir()
     else ""
 )  # fmt: skip

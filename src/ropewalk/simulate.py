@@ -163,7 +163,7 @@ def _keep_apart(scenario: Scenario, file: Path) -> None:
     if not (isinstance(run, Dynamic) and run.start.file and file.exists()):
         return
     if Path(run.start.file).exists() and file.samefile(run.start.file):
-        remedy = "write the new result elsewhere (-o), or start from a copy"
+        remedy = "write the new result to another file, or start from a copy"
         raise ScenarioError([Problem("run.start.file", "is the file that the result goes to", str(file), remedy)])
 
 

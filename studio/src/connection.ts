@@ -11,7 +11,7 @@ interface Waiting {
 /** The server: questions with answers, and what comes in between; it is looked for again when it has gone. */
 export class Connection {
   private socket?: WebSocket;
-  private number = 0;
+  private number = Date.now(); // above all numbers from before a reload
   private waiting = new Map<number, Waiting>();
   private delay = 250;
 
@@ -35,7 +35,7 @@ export class Connection {
       const open = this.socket === socket;
       this.socket = undefined;
       for (const waiting of this.waiting.values())
-        waiting.resolve({ head: { id: 0, error: "the server has gone" }, arrays: {} });
+        waiting.resolve({ head: { id: 0, error: "no connection to the server" }, arrays: {} });
       this.waiting.clear();
       if (open) this.told(false);
       setTimeout(() => this.connect(), this.delay);
@@ -54,10 +54,9 @@ export class Connection {
     }
   }
 
-  /** Ask something; `heard` takes what comes before the answer. */
-  ask(what: string, given: object = {}, heard?: Heard): Promise<Message> {
-    const id = ++this.number;
-    if (!this.socket) return Promise.resolve({ head: { id, error: "the server has gone" }, arrays: {} });
+  /** Ask something; `heard` takes what comes before the answer. `id`: of a question that is under way already. */
+  ask(what: string, given: object = {}, heard?: Heard, id = ++this.number): Promise<Message> {
+    if (!this.socket) return Promise.resolve({ head: { id, error: "no connection to the server" }, arrays: {} });
     return new Promise((resolve) => {
       this.waiting.set(id, { resolve, heard });
       this.socket?.send(JSON.stringify({ id, do: what, ...given }));

@@ -1,4 +1,4 @@
-import { element } from "./player";
+import { button, element } from "./player";
 
 /** A reason not to trust a run, as `ropewalk.studio.streams` tells it: when, and which key of the scenario is to blame. */
 export interface Doubt {
@@ -18,14 +18,13 @@ export function listed(doubts: Doubt[], notes: string[], ways: Ways): HTMLElemen
   return [
     ...doubts.map((doubt) => {
       const made = element("p", { class: "doubt" }, `Not to be trusted: ${doubt.text} `);
-      const way = (text: string, go: () => void) => {
-        const button = element("button", { type: "button" }, text);
-        button.onclick = go;
-        made.append(button, " ");
-      };
       const { time, key } = doubt;
-      if (time !== null) way(`Go to ${time} s`, () => ways.go(time));
-      if (key) way(`Show ${key}`, () => ways.open(key));
+      if (time !== null)
+        made.append(
+          button(`Go to ${time} s`, () => ways.go(time)),
+          " ",
+        );
+      if (key) made.append(button(`Show ${key}`, () => ways.open(key)));
       return made;
     }),
     ...notes.map((text) => element("p", { class: "hint" }, `Note: ${text}`)),

@@ -1,8 +1,8 @@
 import type { ByHand } from "./byhand";
 import { type Connection, Latest } from "./connection";
-import { Film, type Frame } from "./film";
+import { Film, type Frame, type Layout } from "./film";
 import type { Message } from "./messages";
-import { element, viewOf } from "./player";
+import { button, element, viewOf } from "./player";
 import type { Scene, Stage, View } from "./stage";
 import { written } from "./units";
 
@@ -45,8 +45,20 @@ function sceneOf({ head, arrays }: Message): Scene {
   return { layout, picture, state, frame, reference: frame.reference, ghost: frame.ghost };
 }
 
-const NEAR = 22; // pixels
+const NEAR = 22; // pixels around a handle in which the mouse grasps it
+const FINGER = 36; // pixels in which a finger does
 const WIDTH = 0.01; // m, of a line that has told none, in the wind that is made by hand
+
+/** Return the node that is nearest to a load. */
+function nearest({ position, contact_position }: Frame, { axes, loads }: Layout, load: string): number {
+  const k = Math.max(loads.indexOf(load), 0) * axes.length;
+  let [node, least] = [0, Number.POSITIVE_INFINITY];
+  for (let i = 0; i < position.length; i += axes.length) {
+    const distance = Math.hypot(...axes.map((_, a) => position[i + a] - contact_position[k + a]));
+    if (distance < least) [node, least] = [i / axes.length, distance];
+  }
+  return node;
+}
 
 /** The load under the pointer: the equilibrium for every place, and what else can be changed by hand. */
 export class Drag {
@@ -56,8 +68,9 @@ export class Drag {
   private gravity = 9.81;
   private view?: View;
   private grabbed = ""; // "load", or the name of a support
+  private loaded = 0; // node nearest to the load
   private latest = new Latest<{ pose: Pose; since: number }>(({ pose, since }) => this.ask(pose, since));
-  /** For measurements: how long it took from what was done by hand to its picture, in ms. */
+  /** For tests: how long it took from what was done by hand to its picture, in ms. */
   readonly delays: number[] = [];
 
   constructor(
@@ -68,10 +81,14 @@ export class Drag {
     private told: Told,
   ) {
     canvas.addEventListener("pointerdown", (event) => this.down(event));
+    const touched = (event: TouchEvent) =>
+      this.load && this.handleAt(event.touches[0], FINGER) && event.preventDefault();
+    canvas.addEventListener("touchstart", touched, { passive: false }); // a swipe that starts on a handle does not scroll
     canvas.addEventListener("pointermove", (event) => this.move(event));
     canvas.addEventListener("pointerup", () => this.up());
     canvas.addEventListener("pointercancel", () => this.up());
-    Object.assign(globalThis, { ropewalkDelays: this.delays });
+    const loadPixel = () => stage.pixel(this.loaded);
+    Object.assign(globalThis, { ropewalkDelays: this.delays, ropewalkLoad: loadPixel });
   }
 
   /** Take up a scenario that the server has made ready. */
@@ -138,6 +155,7 @@ export class Drag {
       return;
     }
     const scene = sceneOf(message);
+    this.loaded = nearest(scene.frame, scene.layout, pose.load);
     this.view ??= this.room(scene);
     this.fit(scene);
     this.stage.show(scene, this.view);
@@ -171,24 +189,36 @@ export class Drag {
     view.force = Math.max(...[...reaction, ...contact_force].map((f) => Math.abs(f)).filter(Number.isFinite), 1);
   }
 
+  /** Pixels of the canvas at which a pointer is; the page may be zoomed. */
+  private pixel({ clientX, clientY }: { clientX: number; clientY: number }): [number, number] {
+    const box = this.canvas.getBoundingClientRect();
+    const zoom = this.canvas.clientWidth / box.width;
+    return [zoom * (clientX - box.left), zoom * (clientY - box.top)];
+  }
+
+  /** The handle near a pointer: a support of the line of the load, or the load; empty where there is none. */
+  private handleAt(pointer: { clientX: number; clientY: number }, reach: number): string {
+    const at = this.pixel(pointer);
+    const near = (node: number) => {
+      const [x, z] = this.stage.pixel(node);
+      return Math.hypot(x - at[0], z - at[1]) < reach;
+    };
+    const ends = this.stage.supportNodes().filter(([name]) => name.startsWith(`${this.load?.on}.`));
+    return ends.find(([, node]) => near(node))?.[0] ?? (near(this.loaded) ? "load" : "");
+  }
+
   private down(event: PointerEvent): void {
     if (!this.load) return;
-    const box = this.canvas.getBoundingClientRect();
-    const at = [event.clientX - box.left, event.clientY - box.top];
-    const near = (node: number) =>
-      Math.hypot(this.stage.pixel(node)[0] - at[0], this.stage.pixel(node)[1] - at[1]) < NEAR;
-    const support = this.stage
-      .supportNodes()
-      .find(([name, node]) => name.startsWith(`${this.load?.on}.`) && near(node));
-    this.grabbed = support ? support[0] : "load";
+    const isTouch = event.pointerType === "touch"; // elsewhere on the picture a finger scrolls, a mouse moves the load
+    this.grabbed = this.handleAt(event, isTouch ? FINGER : NEAR) || (isTouch ? "" : "load");
+    if (!this.grabbed) return;
     this.canvas.setPointerCapture(event.pointerId);
     this.move(event);
   }
 
   private move(event: PointerEvent): void {
     if (!this.grabbed || !this.load || !this.pose) return;
-    const box = this.canvas.getBoundingClientRect();
-    const [x, z] = this.stage.place(event.clientX - box.left, event.clientY - box.top);
+    const [x, z] = this.stage.place(...this.pixel(event));
     if (this.grabbed === "load") return this.want({ x });
     const end = this.grabbed.slice(this.grabbed.lastIndexOf(".") + 1);
     const old = this.load.line[end as "start" | "end"];
@@ -239,24 +269,19 @@ export class Drag {
     which.append(...this.loads.map((one) => element("option", { value: one.name }, one.name)));
     which.value = load.name;
     which.onchange = () => this.take(this.loads.find((one) => one.name === which.value));
-    const go = element(
-      "button",
-      { type: "button", title: "It slides and swings as a mass that weighs as much" },
-      "Let go",
-    );
-    go.onclick = () => this.pose && this.told.released(this.pose);
-    const reset = element("button", { type: "button" }, "As in the file");
-    reset.onclick = () => this.take(load, this.pose?.contact);
-    const keep = element(
-      "button",
-      { type: "button", title: "Write what was changed by hand into the text" },
-      "Into the text",
-    );
-    keep.onclick = () => this.byHand && this.told.taken(this.byHand);
+    const go = button("Let go", () => this.pose && this.told.released(this.pose), {
+      title: "It slides and swings as a mass that weighs as much",
+    });
+    const reset = button("As in the file", () => this.take(load, this.pose?.contact));
+    const keep = button("Into the text", () => this.byHand && this.told.taken(this.byHand), {
+      title: "Write what was changed by hand into the text",
+    });
     const { line, force } = load;
     const span = Math.hypot(...line.end.map((e, a) => e - line.start[a]));
     const change = (key: string) => (value: number) => this.want({ line: { ...this.pose?.line, [key]: value } });
     const weight = -force[force.length - 1];
+    const tension = line.tension || 1;
+    const shortest = Math.min(0.998 * span, line.length ?? span);
     this.place.replaceChildren(
       element("p", { class: "hint" }, "Drag the load or a support in the picture (arrow keys move the load)."),
       element("div", { class: "row" }, which, contact),
@@ -264,22 +289,8 @@ export class Drag {
         ? this.slider("weight", "N", weight, 0.02 * weight, 3 * weight, (value) => this.want({ weight: value }))
         : "",
       line.length === null
-        ? this.slider(
-            "tension",
-            "N",
-            line.tension ?? 0,
-            0.3 * (line.tension ?? 1),
-            3 * (line.tension ?? 1),
-            change("tension"),
-          )
-        : this.slider(
-            "length",
-            "m",
-            line.length,
-            Math.min(0.998 * span, line.length),
-            Math.max(1.2 * span, line.length),
-            change("length"),
-          ),
+        ? this.slider("tension", "N", tension, 0.3 * tension, 3 * tension, change("tension"))
+        : this.slider("length", "m", line.length, shortest, Math.max(1.2 * span, line.length), change("length")),
       this.slider("mass", "kg/m", line.mass, 0.05 * line.mass, 5 * line.mass, change("mass")),
       this.slider("wind", "m/s", 0, -40, 40, (wind) => {
         this.want({ wind, line: { wind_drag: line.wind_drag || WIDTH, ...this.pose?.line } });

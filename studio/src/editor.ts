@@ -1,12 +1,20 @@
 import { autocompletion, type CompletionContext, type CompletionResult } from "@codemirror/autocomplete";
 import { indentWithTab, isolateHistory, redo, undo } from "@codemirror/commands";
 import { yaml } from "@codemirror/lang-yaml";
+import { HighlightStyle, syntaxHighlighting } from "@codemirror/language";
 import { type Diagnostic, lintGutter, setDiagnostics } from "@codemirror/lint";
 import { EditorState } from "@codemirror/state";
 import { EditorView, keymap } from "@codemirror/view";
+import { tags } from "@lezer/highlight";
 import { basicSetup } from "codemirror";
 import { difference } from "./edits";
 import { completions, type Schema } from "./schema";
+
+const COLOURS = HighlightStyle.define([
+  { tag: [tags.propertyName, tags.definition(tags.propertyName)], color: "var(--accent)" },
+  { tag: [tags.string, tags.special(tags.string)], color: "var(--load)" },
+  { tag: [tags.comment, tags.meta, tags.punctuation], color: "var(--faint)" },
+]);
 
 export interface Problem {
   line: number | null;
@@ -32,10 +40,11 @@ export class Editor {
       extensions: [
         basicSetup,
         yaml(),
+        syntaxHighlighting(COLOURS),
         lintGutter(),
         keymap.of([indentWithTab]),
         autocompletion({ override: [(context) => this.complete(context)] }),
-        EditorView.contentAttributes.of({ "aria-label": "Scenario in YAML" }),
+        EditorView.contentAttributes.of({ "aria-label": "Scenario in YAML", tabindex: "0" }),
         EditorView.updateListener.of((update) => {
           if (update.docChanged) this.changed();
         }),

@@ -1,6 +1,6 @@
 import { Source } from "./edits";
 import { type Field, fieldsOf, joined } from "./fields";
-import { element } from "./player";
+import { button, element } from "./player";
 import type { Schema } from "./schema";
 
 /** Something to be told at the key to which it belongs. */
@@ -41,10 +41,8 @@ export class Form {
     place: HTMLElement,
     private act: Actions,
   ) {
-    const undo = element("button", { type: "button", title: "Undo (Ctrl+Z), also what was typed in the text" }, "Undo");
-    const redo = element("button", { type: "button", title: "Redo (Ctrl+Y)" }, "Redo");
-    undo.onclick = () => act.undo();
-    redo.onclick = () => act.redo();
+    const undo = button("Undo", act.undo, { title: "Undo (Ctrl+Z), also what was typed in the text" });
+    const redo = button("Redo", act.redo, { title: "Redo (Ctrl+Y)" });
     place.append(element("div", { class: "row" }, undo, redo), this.wrong, this.names, this.fields);
     place.addEventListener("keydown", (event) => this.pressed(event));
   }
@@ -354,9 +352,7 @@ export class Form {
   }
 
   private button(text: string, label: string, act: () => void): HTMLButtonElement {
-    const made = element("button", { type: "button", "aria-label": label, title: label }, text);
-    made.onclick = act;
-    return made;
+    return button(text, act, { "aria-label": label, title: label });
   }
 
   private pressed(event: KeyboardEvent): void {

@@ -15,7 +15,7 @@ export interface Step {
 /** A story in steps. */
 export class Lesson {
   private steps: Step[] = [];
-  private now = 0;
+  private now = -1; // none is shown
 
   constructor(
     private place: HTMLElement,
@@ -28,14 +28,17 @@ export class Lesson {
   }
 
   async go(k: number): Promise<void> {
-    this.now = Math.max(0, Math.min(k, this.steps.length - 1));
+    await this.begin(this.steps[Math.max(0, Math.min(k, this.steps.length - 1))]);
+  }
+
+  /** Show the text of the step whose picture is shown; none if the picture is of something else. */
+  show(step?: Step): void {
+    this.now = step ? this.steps.indexOf(step) : -1;
     this.draw();
-    await this.begin(this.steps[this.now]);
   }
 
   private draw(): void {
     const step = this.steps[this.now];
-    if (!step) return;
     const list = element("ol", { class: "steps", "aria-label": "Steps" });
     this.steps.forEach((one, k) => {
       const button = element(
@@ -47,11 +50,13 @@ export class Lesson {
       button.onclick = () => this.go(k);
       list.append(element("li", {}, button));
     });
+    const intro = element("p", { class: "hint" }, "Walking the line, in five steps");
+    if (!step) return this.place.replaceChildren(intro, list, element("p", {}, "Choose a step to open its picture."));
     const next = element("button", { type: "button", class: "main" }, "Next");
     next.disabled = this.now === this.steps.length - 1;
     next.onclick = () => this.go(this.now + 1);
     this.place.replaceChildren(
-      element("p", { class: "hint" }, "Walking the line, in five steps"),
+      intro,
       list,
       element("h2", {}, `${this.now + 1}. ${step.title}`),
       element("p", {}, step.text),

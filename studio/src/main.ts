@@ -1,7 +1,7 @@
 import { type ByHand, intoText, saidByHand } from "./byhand";
 import type { Sweep } from "./cases";
 import { besides, type Models, models } from "./compare";
-import { Connection } from "./connection";
+import { Connection, type Heard } from "./connection";
 import { type Doubt, listed } from "./doubts";
 import { Drag } from "./drag";
 import { Editor, type Problem } from "./editor";
@@ -10,11 +10,12 @@ import { type Curves, Film } from "./film";
 import { Form } from "./form";
 import { Lesson, type Step } from "./lesson";
 import type { Message } from "./messages";
-import { type Described, element, folded, numbersOf, Player } from "./player";
+import { button, type Described, element, folded, numbersOf, Player } from "./player";
 import { Plots } from "./plots";
 import type { Schema } from "./schema";
 import { Stage } from "./stage";
 import { SweepTab } from "./sweep";
+import { tabbed } from "./tabs";
 import "./style.css";
 
 interface Template {
@@ -26,41 +27,42 @@ interface Template {
 // -- What is on the page ----------------------------------------------------------------------------------------
 
 const status = element("span", { class: "status", role: "status" }, "connecting");
+const state = element("p", { class: "state", role: "status", hidden: "" }); // of what is computed, in the picture
 const open = element("select", { "aria-label": "Open", title: "Open a scenario, a result or an example" });
-const save = element("button", { type: "button", title: "Save to the file that was opened (Ctrl+S)" }, "Save");
-const saveAs = element("button", { type: "button" }, "Save as…");
-const run = element("button", { type: "button", class: "main", title: "Compute the scenario (Ctrl+Enter)" }, "Run");
-const stop = element("button", { type: "button", disabled: "" }, "Stop");
-const drag = element("button", { type: "button", title: "Drag the load; the rope answers" }, "Drag the load");
-const keep = element("button", { type: "button", title: "Keep this run, faintly, beside the next one" }, "Keep beside");
-const theme = element(
-  "button",
-  { type: "button", class: "icon", "aria-label": "Light or dark", title: "Light or dark" },
-  "◐",
-);
+const opened = element("strong", { class: "file" });
+const save = button("Save", () => write(file.name, file.stamp), { title: "Save to the file that was opened (Ctrl+S)" });
+const saveAs = button("Save as…");
+const run = button("Run", undefined, { class: "main", title: "Compute the scenario (Ctrl+Enter)" });
+const stop = button("Stop", undefined, { disabled: "" });
+const drag = button("Drag the load", undefined, { title: "Drag the load; the rope answers" });
+const keep = button("Keep beside", undefined, { title: "Draw this run faintly under the next one" });
+const theme = button("◐", undefined, { class: "icon", "aria-label": "Light or dark", title: "Light or dark" });
+const large = button("A", undefined, {
+  class: "icon",
+  "aria-label": "Large type",
+  title: "Large type, for projectors",
+});
 const canvas = element("canvas", {
   tabindex: "0",
   role: "img",
   "aria-label": "The structure; arrow keys move the load or step through time",
 });
-const plotted = element("div", { class: "plots" });
+const plotted = element("div", { class: "plots", tabindex: "0", role: "group", "aria-label": "Curves" });
 const numbers = element("dl", { class: "numbers", "aria-live": "off" });
 const said = element("div");
-const summary = element("div");
+const summary = element("div", { tabindex: "0", role: "group", "aria-label": "Summary" });
 const exports = element("div", { class: "row" });
 const compared = element("div");
-const compareModels = element(
-  "button",
-  { type: "button", title: "Runs simpler models of the scenario, from the linear theory upwards: is one good enough?" },
-  "Compare with simpler models",
-);
+const compareModels = button("Compare with simpler models", () => simplerModels(), {
+  title: "Run simpler models of the scenario, from the linear theory upwards",
+});
 const written = element("div", { class: "editor" });
 const problems = element("ul", { class: "problems", "aria-label": "Mistakes", "aria-live": "polite" });
 const values = element("div", { class: "values" });
 const lessons = element("div");
 const filled = element("div");
 const swept = element("div");
-const computeSweep = element("button", { type: "button" }, "Compute the sweep");
+const computeSweep = button("Compute the sweep", () => sweepCases());
 
 const tabs = {
   values: element("div", { class: "tab" }, values),
@@ -72,35 +74,27 @@ const tabs = {
 };
 const measured = element("div", {}, element("h2", {}, "Numbers"), numbers); // in the tab that is shown: of a lesson, too
 const names = { values: "Values", form: "Form", text: "Text", result: "Result", sweep: "Sweep", lesson: "Lesson" };
-const bar = element("div", { class: "tabs", role: "tablist" });
-const buttons = new Map<string, HTMLButtonElement>();
-for (const [key, tab] of Object.entries(tabs)) {
-  const button = element("button", { type: "button", role: "tab", id: `tab-${key}` }, names[key as keyof typeof names]);
-  tab.setAttribute("role", "tabpanel");
-  tab.setAttribute("aria-labelledby", `tab-${key}`);
-  button.onclick = () => show(key);
-  buttons.set(key, button);
-  bar.append(button);
-}
-
-function show(key: string): void {
-  for (const [name, tab] of Object.entries(tabs)) {
-    tab.hidden = name !== key;
-    buttons.get(name)?.setAttribute("aria-selected", `${name === key}`);
-  }
+const { bar, show } = tabbed(tabs, names, (key) => {
   if (key === "values" || key === "lesson") tabs[key].append(measured);
   if (key === "form") form.show(editor.text);
-}
+});
 
 const stage = new Stage(canvas);
 const plots = new Plots(plotted, (path) => player.go(path));
 const player = new Player(stage, plots);
 document.body.append(
-  element("header", {}, element("h1", {}, "ropewalk studio"), open, save, saveAs, drag, run, stop, keep, status, theme),
+  element(
+    "header",
+    {},
+    element("h1", {}, "ropewalk studio"),
+    open,
+    opened,
+    ...[save, saveAs, drag, run, stop, keep, status, large, theme],
+  ),
   element(
     "main",
     {},
-    element("section", { class: "stage" }, canvas, player.bar, plotted),
+    element("section", { class: "stage", "aria-label": "Picture" }, canvas, state, player.bar, plotted),
     element("aside", {}, bar, ...Object.values(tabs)),
   ),
 );
@@ -113,7 +107,10 @@ let file = { name: "", stamp: "" };
 let clean = ""; // the text as it is in the file
 let film: Film | undefined;
 let beside: Film | undefined;
-let running = false;
+let running: Promise<unknown> | undefined; // what is computed
+let isKept = false; // whether it writes a result
+let turn = 0; // number of what is shown: answers to what was shown before are dropped
+let shown = ""; // result that was opened
 let checking = 0;
 let templates: Template[] = [];
 let mistakes: Problem[] = [];
@@ -121,14 +118,15 @@ let doubtful: Doubt[] = [];
 let toldOf = ""; // the doubts and notes that are shown
 
 const server = new Connection(`${location.href.replace(/^http/, "ws").replace(/[#?].*$/, "")}socket`, (connected) => {
-  tell(connected ? "" : "the server has gone; looking for it", !connected);
+  tell(connected ? "" : "no connection to the server; trying again", !connected);
   if (connected) greet();
+  else under("");
 });
 const editor = new Editor(written, () => {
   mark();
   if (!tabs.form.hidden) form.show(editor.text);
   clearTimeout(checking);
-  checking = setTimeout(check, 300);
+  checking = setTimeout(() => check(true), 300);
 });
 const form = new Form(filled, {
   change: (text) => editor.change(text),
@@ -136,8 +134,14 @@ const form = new Form(filled, {
   redo: () => editor.redo(),
 });
 const dragging = new Drag(server, stage, canvas, values, {
-  shown: (scene, load) => numbersShown(scene, scene.frame, load),
-  failed: (why) => tell(why, true),
+  shown: (scene, load) => {
+    if (!running) under("");
+    numbersShown(scene, scene.frame, load);
+  },
+  failed: (why) => {
+    under("");
+    tell(why, true);
+  },
   taken: takeOver,
   released: (pose) => compute("release", { pose }),
 });
@@ -158,10 +162,41 @@ function tell(text: string, bad = false): void {
   status.classList.toggle("bad", bad);
 }
 
+/** Show the state of what is computed in the picture. */
+function under(text: string): void {
+  state.textContent = text;
+  state.hidden = !text;
+}
+
 function mark(): void {
   const changed = editor.text !== clean;
-  document.title = `${changed ? "• " : ""}${file.name || "new"} – ropewalk studio`;
+  const name = `${changed ? "• " : ""}${file.name || "new"}`;
+  opened.textContent = shown && shown !== `${file.name}` ? shown : name;
+  opened.title = changed ? `${name.slice(2)} has changes that are not saved` : name;
+  document.title = `${opened.textContent} – ropewalk studio`;
   save.disabled = !changed || !file.name;
+}
+
+/**
+ * Begin to show something else: of what was shown nothing stays but the picture, where it is of the same scenario.
+ *
+ * Returns the number by which late answers are recognised. `step`: of the lesson, if it is what is shown.
+ */
+function anew(hasPicture = false, step?: Step): number {
+  dragging.leave();
+  doubts({});
+  exports.replaceChildren();
+  summary.replaceChildren();
+  shown = "";
+  compared.replaceChildren();
+  numbers.replaceChildren();
+  player.leave();
+  player.bar.hidden = true;
+  film = undefined;
+  if (!hasPicture) stage.show(undefined);
+  lesson.show(step);
+  mark();
+  return ++turn;
 }
 
 function numbersShown(scene: Described, frame: Record<string, Float32Array>, dragged = ""): void {
@@ -185,8 +220,9 @@ player.shown = numbersShown;
 // -- Files ------------------------------------------------------------------------------------------------------
 
 async function greet(): Promise<void> {
-  const { head } = await server.ask("hello");
+  const { head } = await server.ask("hello", { page: sessionStorage.getItem("page") ?? "" });
   if (head.error) return tell(String(head.error), true);
+  sessionStorage.setItem("page", String(head.page));
   templates = head.templates as Template[];
   list(head);
   lesson.learn(head.lesson as Step[]);
@@ -194,8 +230,9 @@ async function greet(): Promise<void> {
     editor.learn(message.head.schema as Schema);
     form.learn(message.head.schema as Schema);
   });
+  if (head.under_way) return resume(head.under_way as Record<string, string>);
   if (editor.text) {
-    prepare(); // the server had gone: what is on the page stays
+    prepare(); // the connection was lost: what is on the page stays
     return;
   }
   const first = String(head.file);
@@ -207,27 +244,32 @@ async function greet(): Promise<void> {
   }
 }
 
+/** Come back to what the server computes for this page, which was reloaded. */
+async function resume({ id, do: what, text = "", name = "", unkept }: Record<string, string>): Promise<void> {
+  if (!editor.text) {
+    const { stamp, text: saved } = (unkept ? {} : (await server.ask("read", { name })).head) as Record<string, string>;
+    if (stamp) file = { name, stamp };
+    clean = saved ?? text;
+    editor.text = text;
+  }
+  if (what === "sweep") sweepCases(Number(id));
+  else if (what === "models") simplerModels(Number(id));
+  else compute("resume", { unkept: unkept || what === "release" }, { id: Number(id) });
+}
+
 function list(head: Record<string, unknown>): void {
-  const group = (label: string, names: [string, string][]) => {
-    const made = element("optgroup", { label });
-    made.append(...names.map(([value, text]) => element("option", { value }, text)));
-    return made;
+  const named = (kind: string, names: unknown) => (names as string[]).map((name) => [`${kind}:${name}`, name]);
+  const groups = {
+    Scenarios: named("file", head.scenarios),
+    Results: named("result", head.results),
+    Examples: templates.map(({ name, title }) => [`template:${name}`, title]),
   };
-  open.replaceChildren(
-    element("option", { value: "" }, "Open…"),
-    group(
-      "Scenarios",
-      (head.scenarios as string[]).map((name) => [`file:${name}`, name]),
-    ),
-    group(
-      "Results",
-      (head.results as string[]).map((name) => [`result:${name}`, name]),
-    ),
-    group(
-      "Examples",
-      templates.map((t) => [`template:${t.name}`, t.title]),
-    ),
-  );
+  open.replaceChildren(element("option", { value: "" }, "Open…"));
+  for (const [label, options] of Object.entries(groups)) {
+    const group = element("optgroup", { label });
+    group.append(...options.map(([value, text]) => element("option", { value }, text)));
+    open.append(group);
+  }
 }
 
 let opening: Promise<void> = Promise.resolve();
@@ -239,6 +281,7 @@ async function chosen(): Promise<void> {
   const [kind, name] = [open.value.slice(0, open.value.indexOf(":")), open.value.slice(open.value.indexOf(":") + 1)];
   open.value = "";
   if (kind === "result") return result(name);
+  if (!(await halted())) return;
   if (editor.text !== clean && !confirm("The text has changes that are not saved. Open another one?")) return;
   if (kind === "file") await read(name);
   if (kind === "template") begun("", "", templates.find((t) => t.name === name)?.text ?? "");
@@ -255,8 +298,6 @@ function begun(name: string, stamp: string, text: string): void {
   clean = text;
   editor.text = text;
   beside = undefined;
-  doubts({});
-  mark();
   if (!tabs.form.hidden) form.show(text);
   check();
   prepare();
@@ -273,7 +314,6 @@ async function write(name: string, stamp: string): Promise<void> {
   list((await server.ask("files")).head);
 }
 
-save.onclick = () => write(file.name, file.stamp);
 saveAs.onclick = () => {
   const name = prompt("Name of the file, in the folder of the studio", file.name || "scenario.yaml");
   if (name) write(name, name === file.name ? file.stamp : "");
@@ -281,7 +321,7 @@ saveAs.onclick = () => {
 
 // -- Text -------------------------------------------------------------------------------------------------------
 
-async function check(): Promise<boolean> {
+async function check(prepares = false): Promise<boolean> {
   const { head } = await server.ask("check", { text: editor.text, name: file.name || "scenario.yaml" });
   const found = (head.problems as Problem[]) ?? [{ line: 1, key: "", message: String(head.error) }];
   editor.show(found);
@@ -289,30 +329,29 @@ async function check(): Promise<boolean> {
   remarked();
   problems.replaceChildren(
     ...(found.length
-      ? found.map((problem) => {
-          const button = element("button", { type: "button" }, `line ${problem.line ?? "–"}: ${problem.message}`);
-          button.onclick = () => editor.goTo(problem.line ?? 1);
-          return element("li", {}, button);
-        })
+      ? found.map(({ line, message }) =>
+          element(
+            "li",
+            {},
+            button(`line ${line ?? "–"}: ${message}`, () => editor.goTo(line ?? 1)),
+          ),
+        )
       : [element("li", { class: "fine" }, "No mistakes.")]),
   );
-  if (!found.length && !running && !player.isActive) prepare();
+  if (prepares && !found.length && !running && !player.isActive) prepare();
   return !found.length;
 }
 
 // -- Dragging and running ---------------------------------------------------------------------------------------
 
-let prepared = 0;
-
-async function prepare(contact = ""): Promise<void> {
-  const turn = ++prepared;
-  halt();
-  player.leave();
-  player.bar.hidden = true;
-  stage.doubted = [];
+async function prepare(contact = "", step?: Step): Promise<void> {
+  if (!(await halted())) return;
+  const mine = anew(false, step);
+  under("setting up");
   const message = await server.ask("prepare", { text: editor.text, name: file.name || "scenario.yaml" });
   const { head } = message;
-  if (turn !== prepared) return; // another one, or a run, has begun since
+  if (mine !== turn) return;
+  under("");
   if (head.problems) return tell("the scenario has mistakes: see Text", true);
   if (head.error) return tell(String(head.error), true);
   tell(String(head.title));
@@ -324,55 +363,78 @@ drag.onclick = () => {
   prepare();
 };
 run.onclick = async () => {
-  await opening; // it is meant, not what it replaces
+  await opening; // the file that was chosen last is meant
   const hand = dragging.byHand;
   const said = hand ? saidByHand(hand) : [];
-  const asked = `By hand, and not in the text: ${said.join("; ")}.\n\nOK: write it into the text and run that. Cancel: run the text as it stands.`;
+  const asked = `Changed by hand, and not in the text: ${said.join("; ")}.\n\nOK: write it into the text and run that. Cancel: run the text as it is.`;
   if (hand && said.length && confirm(asked) && !takeOver(hand)) return;
   compute("run", { text: editor.text, name: file.name || "scenario.yaml" });
 };
-stop.onclick = () => server.tell("stop");
+stop.onclick = () => {
+  stop.disabled = true;
+  under("stopping");
+  server.tell("stop");
+};
 keep.onclick = () => {
   beside = film;
   tell(beside ? "kept; the next run is drawn over it" : "there is no run yet");
 };
 
-function halt(): void {
-  if (running) server.tell("stop");
+/** Stop what is computed; false if it writes a result and the user lets it continue. */
+async function halted(): Promise<boolean> {
+  if (running && isKept && !confirm("A computation is under way. Stop it?")) return false;
+  if (running) stop.click();
+  await running;
+  return true;
 }
 
-async function compute(what: string, given: object, withBeside = beside): Promise<void> {
-  if (running) return tell("a run is under way; stop it first", true);
-  dragging.leave();
-  prepared++;
-  running = true;
-  stop.disabled = false;
-  run.disabled = true;
-  doubts({});
-  exports.replaceChildren();
-  summary.replaceChildren();
-  compared.replaceChildren();
-  tell("computing");
-  player.isOver = false;
-  film = undefined;
-  let { head } = await server.ask(what, given, (message) => heard(message, withBeside));
-  running = false;
-  if (String(head.error).includes("holds a result of another scenario") && confirm(`${head.error}\n\nReplace it?`)) {
-    run.disabled = false;
-    return compute(what, { ...given, overwrite: true }, withBeside);
+/** Return the answer of the server to something that takes time; `id`: of what is under way already. */
+async function computed(what: string, given: object, heard: Heard, id?: number): Promise<Record<string, unknown>> {
+  const asked = server.ask(id ? "resume" : what, given, told, id);
+  running = asked;
+  isKept = what !== "release" && !("unkept" in given && given.unkept);
+  const buttons = [run, computeSweep, compareModels];
+  function told(message: Message): void {
+    if (message.head.event !== "stopped") return heard(message);
+    under("stopped; completing the result");
+    for (const button of buttons) button.disabled = false;
   }
+  stop.disabled = false;
+  for (const button of buttons) button.disabled = true;
+  under("setting up");
+  const { head } = await asked;
+  running = undefined;
   stop.disabled = true;
-  run.disabled = false;
-  player.isOver = true;
-  ended(head);
-  head = (await server.ask("files")).head;
-  if (!head.error) list(head);
+  for (const button of buttons) button.disabled = false;
+  under("");
+  return head;
 }
 
-function heard(message: Message, other?: Film): void {
+/** Run something and show it; false if something else is shown by the time that it has ended. */
+async function compute(
+  what: string,
+  given: Record<string, unknown>,
+  { other = beside, step, id }: { other?: Film | null; step?: Step; id?: number } = {},
+): Promise<boolean> {
+  if (!(await halted())) return false;
+  const mine = anew(!given.unkept, step);
+  tell("");
+  player.isOver = false;
+  const head = await computed(what, given, (message) => heard(message, mine, other ?? undefined), id);
+  player.isOver = true;
+  server.ask("files").then(({ head }) => head.error || list(head));
+  if (mine !== turn) return false;
+  if (head.replaces && confirm(`${head.replaces} holds no result of this scenario. Replace it?`))
+    return compute(what, { ...given, overwrite: true }, { other, step });
+  if (head.replaces) tell(`${head.replaces} was not replaced`, true);
+  else ended(head);
+  return true;
+}
+
+function heard(message: Message, mine: number, other?: Film): void {
+  if (mine !== turn) return;
   const { head } = message;
-  if (head.event === "compiling")
-    tell(`compiling, once for each kind of structure: ${head.how_long} on a quiet machine`);
+  if (head.event === "state") under(String(head.state));
   else if (head.event === "layout") {
     film = new Film(message);
     player.bar.hidden = false;
@@ -382,7 +444,7 @@ function heard(message: Message, other?: Film): void {
     player.more();
     const told = head.run as { warnings: string[]; doubts: Doubt[] } | undefined;
     if (told) doubts(told);
-    if (running) tell(`computing: ${Math.round((100 * film.count) / Math.max(film.total, 1))} %`);
+    if (!stop.disabled) under(`computing ${Math.round((100 * film.count) / Math.max(film.total, 1))} %`);
   }
 }
 
@@ -394,12 +456,11 @@ function doubts(told: { warnings?: string[]; doubts?: Doubt[] }): void {
   stage.doubted = doubtful.map((doubt) => doubt.key);
   player.mark(doubtful);
   remarked();
-  said.replaceChildren(...listed(doubtful, told.warnings ?? [], { go: (time) => player.stop(time), open: openKey }));
-}
-
-function openKey(key: string): void {
-  show("form");
-  form.goTo(key);
+  const open = (key: string) => {
+    show("form");
+    form.goTo(key);
+  };
+  said.replaceChildren(...listed(doubtful, told.warnings ?? [], { go: (time) => player.stop(time), open }));
 }
 
 /** What the form tells at its fields: mistakes, and doubts about the run that is shown. */
@@ -434,12 +495,16 @@ function ended(head: Record<string, unknown>): void {
 }
 
 async function result(name: string): Promise<void> {
-  if (running) return tell("a run is under way; stop it first", true);
-  dragging.leave();
-  prepared++;
+  if (!(await halted())) return;
+  const mine = anew();
+  player.isOver = false; // a film plays until its last frame has come
+  under("opening");
+  const { head } = await server.ask("result", { name }, (message) => heard(message, mine, beside));
   player.isOver = true;
-  doubts({});
-  const { head } = await server.ask("result", { name }, (message) => heard(message, beside));
+  if (mine !== turn) return;
+  under("");
+  shown = name;
+  mark();
   if (head.sweep) return sweepFound(head);
   ended(head);
   show("result");
@@ -452,57 +517,48 @@ function sweepFound(head: Record<string, unknown>): void {
   show("sweep");
 }
 
-/** Have something computed that takes its time, and hear how far it is. */
-async function computed(what: string, told: (head: Record<string, unknown>) => string) {
+/** Have the text computed in another way than as one run; nothing if that fails or something else is shown by then. */
+async function extra(what: string, told: (head: Record<string, unknown>) => string, id?: number) {
   await opening;
-  if (running) return void tell("a run is under way; stop it first", true);
-  prepared++;
-  running = true;
-  stop.disabled = false;
-  run.disabled = computeSweep.disabled = compareModels.disabled = true;
-  tell("computing");
+  if (!(await halted())) return;
+  const mine = turn;
   const given = { text: editor.text, name: file.name || "scenario.yaml" };
-  const { head } = await server.ask(what, given, (message) => {
-    if (running) tell(told(message.head));
-  });
-  running = false;
-  stop.disabled = true;
-  run.disabled = computeSweep.disabled = compareModels.disabled = false;
+  const head = await computed(what, given, (message) => stop.disabled || under(told(message.head)), id);
+  if (mine !== turn) return;
   const wrong = (head.problems as Problem[] | undefined)?.[0]?.message ?? head.error;
   if (wrong) return void tell(String(wrong), true);
   return head;
 }
 
-compareModels.onclick = async () => {
-  const head = await computed("models", ({ model, done }) => `${model}: ${Math.round(100 * Number(done))} %`);
+async function simplerModels(id?: number): Promise<void> {
+  const head = await extra("models", ({ model, done }) => `${model}: ${Math.round(100 * Number(done))} %`, id);
   if (!head) return;
   tell(`models of ${head.title} compared`);
   compared.replaceChildren(models(head as unknown as Models));
-};
+}
 
-computeSweep.onclick = async () => {
-  const head = await computed("sweep", ({ done, total }) => `computing: ${done} of ${total} cases`);
+async function sweepCases(id?: number): Promise<void> {
+  const head = await extra("sweep", ({ done, total }) => `computing: ${done} of ${total} cases`, id);
   if (head) sweepFound(head);
   const files = (await server.ask("files")).head;
   if (!files.error) list(files);
-};
+}
 
 async function begin(step: Step): Promise<void> {
+  if (!(await halted())) return;
   file = { name: "", stamp: "" };
   clean = step.scenario;
   beside = undefined;
   editor.text = clean;
   if (!tabs.form.hidden) form.show(clean);
-  mark();
   player.choose(step.pace ?? 1, step.larger ?? 0);
-  if (step.do === "drag") return prepare(step.contact);
-  dragging.leave();
-  if (running) return;
+  if (step.do === "drag") return prepare(step.contact, step);
+  const given = { name: "lesson.yaml", unkept: true };
   if (step.beside) {
-    await compute("run", { text: step.beside, name: "lesson.yaml", unkept: true }, undefined);
+    if (!(await compute("run", { ...given, text: step.beside }, { other: null, step }))) return;
     beside = film;
   }
-  await compute("run", { text: step.scenario, name: "lesson.yaml", unkept: true }, beside);
+  await compute("run", { ...given, text: step.scenario }, { step });
 }
 
 // -- Keys -------------------------------------------------------------------------------------------------------
@@ -510,11 +566,20 @@ async function begin(step: Step): Promise<void> {
 theme.onclick = () => {
   const dark = getComputedStyle(document.documentElement).getPropertyValue("--dark").trim() === "1";
   document.documentElement.dataset.theme = dark ? "light" : "dark";
+  redraw();
+};
+large.onclick = () => {
+  const isLarge = document.documentElement.classList.toggle("large");
+  large.setAttribute("aria-pressed", `${isLarge}`);
+  redraw();
+};
+function redraw(): void {
   stage.draw();
   plots.clear();
   player.more();
   sweeps.draw();
-};
+}
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
 addEventListener("keydown", (event) => {
   const control = event.ctrlKey || event.metaKey;
   if (control && event.key === "s") {

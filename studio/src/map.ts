@@ -1,6 +1,6 @@
 import { type Column, casesAt, levels, nextFrom, placesOf, type Sweep, told } from "./cases";
 import { stepOf, steps } from "./colours";
-import { element } from "./player";
+import { button, element } from "./player";
 import { ticks } from "./units";
 
 const [WIDTH, HEIGHT] = [384, 300];
@@ -269,14 +269,9 @@ export class SweepMap {
     for (const column of [...sweep.parameters, ...sweep.quantities])
       numbers.append(element("dt", {}, column.name), element("dd", {}, told(column.values[row], column.unit)));
     numbers.append(element("dt", {}, "outcome"), element("dd", {}, sweep.outcomes[row]));
-    const see = element(
-      "button",
-      { type: "button", class: "main", title: "Compute this case (Enter)" },
-      "See this run",
-    );
-    const open = element("button", { type: "button" }, "Open its scenario");
-    see.onclick = () => this.act.see(row);
-    open.onclick = () => this.act.open(row);
+    const about = { class: "main", title: "Compute this case (Enter)" };
+    const see = button("See this run", () => this.act.see(row), about);
+    const open = button("Open its scenario", () => this.act.open(row));
     const doubts = sweep.doubts[row].split("\n").filter(Boolean);
     this.about.replaceChildren(
       element("div", { class: "row" }, see, open),

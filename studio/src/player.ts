@@ -16,6 +16,13 @@ export function element<K extends keyof HTMLElementTagNameMap>(
   return made;
 }
 
+/** A button, with what it does and further attributes. */
+export function button(text: string, act?: () => unknown, given: Partial<Record<string, string>> = {}) {
+  const made = element("button", { type: "button", ...given }, text);
+  if (act) made.onclick = () => act();
+  return made;
+}
+
 /** Plays the frames of a run: those that are there, while others come. */
 export class Player {
   readonly bar: HTMLElement;
@@ -27,11 +34,12 @@ export class Player {
   private playing = false;
   private last = 0;
   private seen = -1;
-  private play = element(
-    "button",
-    { type: "button", class: "icon", title: "Play or pause (space)", "aria-label": "Play" },
-    "▶",
-  );
+  private hasMore = false;
+  private play = button("▶", () => this.toggle(), {
+    class: "icon",
+    title: "Play or pause (space)",
+    "aria-label": "Play",
+  });
   private slider = element("input", {
     type: "range",
     min: "0",
@@ -68,7 +76,6 @@ export class Player {
       this.pace,
       this.larger,
     );
-    this.play.onclick = () => this.toggle();
     this.slider.oninput = () => {
       this.playing = false;
       this.go(this.slider.valueAsNumber);
@@ -110,9 +117,8 @@ export class Player {
     const marks = timed.map((one) => {
       const time = one.time ?? 0;
       const about = { title: `${one.text}`, "aria-label": `Doubt at ${time} s` };
-      const mark = element("button", { type: "button", class: "alert", ...about }, "!");
+      const mark = button("!", () => this.stop(time), { class: "alert", ...about });
       mark.style.left = `calc(8px + ${time / Math.max(film.end, 1e-9)} * (100% - 16px))`;
-      mark.onclick = () => this.stop(time);
       return mark;
     });
     this.marks.replaceChildren(...marks);
@@ -172,10 +178,15 @@ export class Player {
     this.go(this.film.path[i]);
   }
 
-  /** More frames have come. */
+  /** Show frames that have come, with the next picture: many messages may come before it. */
   more(): void {
-    this.view = undefined;
-    this.refresh();
+    if (this.hasMore) return;
+    this.hasMore = true;
+    requestAnimationFrame(() => {
+      this.hasMore = false;
+      this.view = undefined;
+      this.refresh();
+    });
   }
 
   private tick = (clock: number): void => {

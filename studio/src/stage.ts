@@ -187,7 +187,7 @@ export class Stage {
     const style = getComputedStyle(canvas);
     const colour = (name: string) => style.getPropertyValue(name).trim();
     this.pen = { ink, colour };
-    ink.font = `12px ${style.fontFamily}`;
+    ink.font = `${style.fontSize} ${style.fontFamily}`;
     ink.lineJoin = ink.lineCap = "round";
     this.fit(width, height);
     if (this.space && !this.camera) this.space.isShown = false;
@@ -476,10 +476,11 @@ export class Stage {
     ink.fillStyle = colour("--ink");
     const factors = [[quantity?.unit === "m" ? quantity.label : "displacement", this.factor]];
     if (!this.camera) factors.push(["heights", state.height_factor]);
-    ink.font = ink.font.replace("12px", "bold 13px");
+    const plain = ink.font;
+    ink.font = `bold ${plain}`;
     const larger = factors.filter(([, factor]) => factor !== 1).map((one) => one.join(" × "));
     ink.fillText(larger.join(", "), 8, this.camera ? 56 : 24);
-    ink.font = ink.font.replace("bold 13px", "12px");
+    ink.font = plain;
     if (shown) bar(this.pen, quantity.label, shown, width);
     if (!ghost?.length) return;
     ink.setLineDash([7, 5]);

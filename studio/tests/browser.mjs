@@ -190,10 +190,11 @@ await check({ context, wrong }, async () => {
   await page.waitForFunction(() => document.querySelector(".clock").value === "0.100 s");
   must((await page.locator(".plots figure").count()) >= 3, "there are no plots");
   await page.getByRole("tab", { name: "Result" }).click();
+  must((await doubted(page)).count === 0, "a doubt is drawn where there is none");
   await look(page, "run");
 
   // export: a page that opens offline
-  const [download] = await Promise.all([page.waitForEvent("download"), page.getByText("Page to share").click()]);
+  const [download] = await Promise.all([page.waitForEvent("download"), page.getByText("Interactive page").click()]);
   const shared = join(mkdtempSync(join(tmpdir(), "shared-")), "shared.html");
   await download.saveAs(shared);
   const offline = await opened(`file://${shared}`);
@@ -226,8 +227,7 @@ await check({ context, wrong }, async () => {
   await page.waitForFunction(() => document.querySelector(".clock").value === "0.010 s");
   must((await page.locator(".marks .alert").count()) > 0, "the doubt is not marked in time");
   await page.getByRole("button", { name: "Keep beside" }).click();
-  await page.getByRole("button", { name: /^Show run\.step/ }).click();
-  must(await form.getByLabel("step", { exact: true }).evaluate((input) => input === document.activeElement), "no step");
+  await page.getByRole("button", { name: /^Show lines/ }).click();
   await page.getByRole("tab", { name: "Sweep" }).click();
   await page.locator(".map .cell").last().click();
   await page.getByRole("button", { name: "See this run" }).click();
@@ -236,7 +236,6 @@ await check({ context, wrong }, async () => {
   await look(page, "compared");
 
   // a doubt about a load: over it, where it is, and on the slider at its instant; none where nothing is to be doubted
-  must((await doubted(page)).count === 0, "a doubt is drawn where there is none");
   writeFileSync(join(folder, "fast.yaml"), FAST);
   await late(page, 500); // what is opened and run at once is run, not what was there before
   await page.reload();
@@ -245,7 +244,8 @@ await check({ context, wrong }, async () => {
   await page.getByRole("button", { name: "Run", exact: true }).click();
   await page.locator(".status").getByText("doubtful").waitFor();
   await page.getByRole("tab", { name: "Result" }).click();
-  await page.getByRole("button", { name: "Show loads.cart.travel.speed" }).waitFor();
+  await page.getByRole("button", { name: "Show loads.cart.travel.speed" }).click();
+  must(await form.getByLabel("speed", { exact: true }).evaluate((at) => at === document.activeElement), "no speed");
   await page.locator(".marks .alert").first().click();
   await page.waitForTimeout(200);
   const mark = await doubted(page);
@@ -274,10 +274,10 @@ await check({ context, wrong }, async () => {
   // the server goes and comes
   if (process.stdin.isTTY !== true && process.env.STUDIO_RESTARTS) {
     console.log("KILL");
-    await page.getByText("the server has gone").waitFor();
+    await page.getByText("no connection to the server").waitFor();
     await look(page, "gone");
     console.log("START");
-    await page.waitForFunction(() => !/has gone/.test(document.querySelector(".status").textContent));
+    await page.waitForFunction(() => !/no connection/.test(document.querySelector(".status").textContent));
     await page.getByRole("button", { name: "Drag the load" }).click();
     await page.locator('dt:text-is("walker: friction needed")').waitFor();
     await look(page, "again");

@@ -16,6 +16,21 @@ pytest.importorskip("uvicorn")
 
 
 @pytest.mark.skipif(bool(LACKING), reason=LACKING)
+def test_the_page_around_the_picture(tmp_path: Path) -> None:
+    """Check exports, states, keyboard, touch, accessibility (axe), reload, stop and killed workers.
+
+    STUDIO_CYCLES=200: so many cycles of open, run and stop, whose memory must not grow.
+    """
+    (tmp_path / "rope.yaml").write_text(SHORT)
+    with serving(tmp_path, "rope.yaml", "--workers", "0") as server:
+        assert NODE is not None
+        pictures = os.environ.get("STUDIO_PICTURES", "")
+        command = [NODE, "tests/shell.mjs", server.address, str(tmp_path), str(server.process.pid), pictures]
+        said = subprocess.run(command, cwd=FRONT, capture_output=True, text=True, timeout=1800)
+    assert said.stdout.endswith("all as it should be\n"), said.stdout + said.stderr
+
+
+@pytest.mark.skipif(bool(LACKING), reason=LACKING)
 def test_in_a_browser(tmp_path: Path) -> None:
     """Fails on any page error, and on any request beyond this machine; the server is killed and started again."""
     (tmp_path / "rope.yaml").write_text(SHORT)

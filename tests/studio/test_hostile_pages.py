@@ -103,6 +103,6 @@ def test_the_disk_is_bounded(tmp_path: Path) -> None:
         for asked in ({"do": "run", "text": SHORT, "name": "rope.yaml"}, {"do": "save", "name": "a.yaml", "text": "x"}):
             refused = page.ask(str(asked.pop("do")), **asked)
             assert "take 0.000" in refused["error"]
-            assert "delete results, or open the studio with a larger --disk" in refused["error"]
+            assert "delete results, or start the studio with a larger limit" in refused["error"]
         assert "error" not in page.ask("run", text=SHORT, unkept=True)
     assert os.listdir(tmp_path)

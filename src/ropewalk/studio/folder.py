@@ -50,7 +50,7 @@ class Folder:
                 with suppress(OSError):
                     used += entry.stat().st_size
         if used >= most:
-            remedy = "delete results, or open the studio with a larger --disk"
+            remedy = "delete results, or start the studio with a larger limit"
             raise RopewalkError(
                 f"scenarios and results in the folder take {used / 1e9:.3g} GB, at most {most / 1e9:.3g} GB: {remedy}"
             )
@@ -74,7 +74,7 @@ class Folder:
         file = self.file(name, SCENARIOS)
         try:
             if file.stat().st_size > LARGEST_TEXT:
-                raise RopewalkError(f"{name}: is larger than 1 MB; run it from the command line")
+                raise RopewalkError(f"{name}: is larger than 1 MB, the limit of the studio")
             return {"name": name, "text": file.read_text(encoding="utf-8"), "stamp": _stamp(file)}
         except (OSError, UnicodeError) as problem:
             raise RopewalkError(f"{name}: cannot be read ({getattr(problem, 'strerror', None) or problem})") from None

@@ -15,7 +15,8 @@ from ropewalk.studio.worker import main
 Message = str | bytes
 Forward = Callable[[Message], Awaitable[None]]
 
-_PATIENCE = 30.0  # s that a worker may take to hear that it is to stop: it may be at its compiler
+PATIENCE = 0.7  # s that a worker may take to acknowledge a stop; it does not while it compiles or sets up a run
+LONG_PATIENCE = 30.0  # s that it may take to complete its result, or the case of a sweep
 _FAREWELL = 0.7  # s, that all workers have when the server ends
 _CONTEXT = multiprocessing.get_context("spawn")
 
@@ -37,6 +38,7 @@ class Process:
         self._process.start()
         theirs.close()
         self._number, self._sending = 0, threading.Lock()
+        self._ended, self._acknowledged = "", asyncio.Event()
         self._waiting: dict[int, tuple[asyncio.Future[Message], Forward | None]] = {}
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
@@ -44,17 +46,12 @@ class Process:
     @property
     def is_alive(self) -> bool:
         """Whether it can be asked."""
-        return self._process.is_alive()
+        return not self._ended and self._process.is_alive()
 
     @property
     def is_idle(self) -> bool:
         """Whether it has answered all."""
         return not self._waiting
-
-    @property
-    def pid(self) -> int:
-        """Number of the process."""
-        return self._process.pid or 0
 
     async def ask(self, asked: dict[str, Any], forward: Forward | None = None, within: float | None = None) -> Message:
         """Ask, and wait for the answer.
@@ -74,44 +71,46 @@ class Process:
             try:
                 await self._loop.run_in_executor(None, self._put, {**asked, "ticket": number})
             except (ValueError, TypeError, RecursionError):  # it cannot be sent: there will be no answer
-                future.cancel()
+                self._waiting.pop(number)
                 raise
             return await asyncio.wait_for(asyncio.shield(future), within)
         except TimeoutError:
-            self.kill()
+            self.kill("the computation took too long and was ended")
             raise WorkerEnded(f"no answer within {within:g} s; the computation was ended") from None
         except OSError:
             raise WorkerEnded("the process that computes has ended") from None
-        finally:
-            if future.done():
-                self._waiting.pop(number, None)
 
     def tell(self, do: str) -> None:
         """Say something that has no answer."""
         with suppress(OSError):
             self._put({"id": 0, "ticket": 0, "do": do})
 
-    async def stop(self) -> None:
-        """Stop what it does; end it if it does not hear."""
+    async def stop(self, patience: float = PATIENCE) -> None:
+        """Stop the computation; end the process if it does not acknowledge that within `patience`, s."""
         if self.is_idle:
             return
+        self._acknowledged.clear()
         self.tell("stop")
         futures = [future for future, _ in self._waiting.values()]
-        done, late = await asyncio.wait(futures, timeout=_PATIENCE)
-        for future in done:
-            with suppress(Exception):
-                future.result()
+        _, late = await asyncio.wait(futures, timeout=patience)
+        if late and self._acknowledged.is_set():
+            _, late = await asyncio.wait(late, timeout=LONG_PATIENCE)
         if late:
-            self.kill()
+            self.kill("stopped")
 
     async def abandon(self) -> None:
         """Stop what it does for a page that has gone."""
         self._waiting = {number: (future, None) for number, (future, _) in self._waiting.items()}
-        await self.stop()
+        await self.stop(LONG_PATIENCE)
         self._waiting.clear()
 
-    def kill(self) -> None:
-        """End it at once; a result that it writes stays readable."""
+    def kill(self, why: str = "the studio has ended") -> None:
+        """End it at once; a result that it writes stays readable.
+
+        Args:
+            why: answer to the questions that are still open.
+        """
+        self._ended = why
         self._process.kill()
 
     def _put(self, asked: dict[str, Any]) -> None:
@@ -122,30 +121,32 @@ class Process:
         with suppress(EOFError, OSError, RuntimeError):  # the last one: the loop has ended
             while True:
                 number, last, message = self._pipe.recv()
-                future, forward = self._waiting.get(number, (None, None))
-                if last and future is not None:
-                    self._loop.call_soon_threadsafe(_resolve, future, message)
+                forward = self._waiting.get(number, (None, None))[1]
+                if number < 0:
+                    self._loop.call_soon_threadsafe(self._acknowledged.set)
+                elif last:
+                    self._loop.call_soon_threadsafe(self._resolve, number, message)
                 elif forward is not None:
                     with suppress(Exception):
                         asyncio.run_coroutine_threadsafe(_forwarded(forward, message), self._loop).result()
         with suppress(RuntimeError):
             self._loop.call_soon_threadsafe(self._fail)
 
+    def _resolve(self, number: int, message: Message) -> None:
+        future, _ = self._waiting.pop(number, (None, None))
+        if future is not None and not future.done():
+            future.set_result(message)
+
     def _fail(self) -> None:
         for future, _ in self._waiting.values():
             if not future.done():
-                why = "the process that computes has ended; was this too much for its memory?"
+                why = self._ended or "the process that computes has ended; was this too much for its memory?"
                 future.set_exception(WorkerEnded(why))
                 future.exception()  # it may be that nobody waits any more
 
 
 async def _forwarded(forward: Forward, message: Message) -> None:
     await forward(message)
-
-
-def _resolve(future: asyncio.Future[Message], message: Message) -> None:
-    if not future.done():
-        future.set_result(message)
 
 
 class Pool:

@@ -20,11 +20,12 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 import ropewalk
 from ropewalk.errors import RopewalkError
-from ropewalk.scenario import json_schema, template
+from ropewalk.scenario import json_schema
 from ropewalk.studio.folder import Folder
 from ropewalk.studio.guard import Guard
 from ropewalk.studio.lesson import LESSON
-from ropewalk.studio.pool import Message, Pool, Process
+from ropewalk.studio.pool import Message, Pool
+from ropewalk.studio.session import LONG, Session, Sessions
 from ropewalk.studio.share import PAGE
 from ropewalk.studio.templates import templates
 from ropewalk.sweeps.pool import cores
@@ -32,7 +33,7 @@ from ropewalk.sweeps.pool import cores
 CHECK_SECONDS = 20.0
 _LARGEST_NUMBER = 2**53  # of a question, which a page counts
 _MOST_PAGES = 24
-_COMPUTED = ("prepare", "pose", "release", "run", "result", "sweep", "case", "models")  # what the worker of a page does
+_COMPUTED = (*LONG, "prepare", "pose", "result", "case", "resume")  # questions that the worker of a page answers
 _KINDS = {"page": "text/html", "report": "text/html", "png": "image/png", "svg": "image/svg+xml",
           "pdf": "application/pdf", "csv": "text/csv", "zip": "application/zip", "gif": "image/gif", "mp4": "video/mp4",
           "xlsx": "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"}  # fmt: skip
@@ -63,11 +64,12 @@ class Studio:
     def __init__(self, settings: Settings, token: str) -> None:
         self.settings, self.token = settings, token
         self.folder = Folder(settings.folder)
-        self.pages = 0
+        self.pages = 0  # that are open
         processes = cores() if settings.workers is None else settings.workers
         self.pool = Pool(
             str(self.folder.path), settings.allow_code, settings.memory, processes, settings.disk, settings.most
         )
+        self.sessions = Sessions(self.pool, settings.seconds)
 
     def app(self) -> Guard:
         """The application, behind its token."""
@@ -85,7 +87,7 @@ class Studio:
 
     async def _index(self, _: Request) -> Response:
         if not (PAGE / "index.html").is_file():
-            return PlainTextResponse("The front end is not built. Run  make studio  and open this page again.", 503)
+            return PlainTextResponse("the page of the studio is not built: make studio", 503)
         return FileResponse(PAGE / "index.html")
 
     async def _export(self, request: Request) -> Response:
@@ -136,24 +138,24 @@ class _Assets(StaticFiles):
 
 
 class PageConnection:
-    """A page that is open: its WebSocket, and the worker that it has when it computes."""
+    """A page that is open: its WebSocket, and its session once it has said hello or computes."""
 
     def __init__(self, studio: Studio, socket: WebSocket) -> None:
         self._studio, self._socket = studio, socket
-        self._process: Process | None = None
+        self._name, self._session = "", None  # type: tuple[str, Session | None]
         self._tasks = set[asyncio.Task[None]]()
-        self._sending, self._stopping = asyncio.Lock(), False
+        self._sending, self._attaching = asyncio.Lock(), asyncio.Lock()
 
     async def serve(self) -> None:
-        """Answer until the page closes; then what it computes is stopped."""
+        """Answer until the page closes."""
         try:
             with suppress(WebSocketDisconnect, RuntimeError):
                 await self._listen()
         finally:  # whatever a page has sent, its worker is free again
             for task in self._tasks:
                 task.cancel()
-            if self._process is not None:
-                await self._studio.pool.give_back(self._process)
+            if self._session is not None:
+                self._studio.sessions.detach(self._name, self._session)
 
     async def _listen(self) -> None:
         """Take questions until the page closes or sends what is none."""
@@ -168,8 +170,8 @@ class PageConnection:
                 await self._socket.close(1003, "not understood")
                 break
             if do == "stop":
-                if self._process is not None and not self._stopping:
-                    self._begin(self._stop(self._process))
+                if self._session is not None:
+                    self._session.stop()
             elif len(self._tasks) < 16:
                 self._begin(self._answer(number, do, asked))
             else:
@@ -179,13 +181,6 @@ class PageConnection:
         task = asyncio.create_task(what)
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
-
-    async def _stop(self, process: Process) -> None:
-        self._stopping = True
-        try:
-            await process.stop()
-        finally:
-            self._stopping = False
 
     async def _send(self, message: Message) -> None:
         async with self._sending:
@@ -207,13 +202,21 @@ class PageConnection:
     async def _found(self, do: str, asked: dict[str, Any]) -> Message:
         studio = self._studio
         if do in _COMPUTED:
-            if self._process is None or not self._process.is_alive:
-                self._process = studio.pool.lease()
-            within = studio.settings.seconds if do in ("run", "release", "sweep", "models") else 60.0 * 10
-            return await self._process.ask(asked, self._send, within=within)
+            return await (await self._attached("")).ask(asked, self._send)
         if do == "check":
             return await studio.pool.check(asked, within=CHECK_SECONDS)
-        return json.dumps({"id": asked["id"], **await asyncio.to_thread(self._answered, do, asked)})
+        found = await asyncio.to_thread(self._answered, do, asked)
+        if do == "hello":
+            session = await self._attached(str(asked.get("page", "")))
+            found = {**found, "page": self._name, "under_way": session.under_way}
+        return json.dumps({"id": asked["id"], **found})
+
+    async def _attached(self, name: str) -> Session:
+        """Return the session of this page; the first call attaches it."""
+        async with self._attaching:
+            if self._session is None:
+                self._name, self._session = await self._studio.sessions.attach(name)
+            return self._session
 
     def _answered(self, do: str, asked: dict[str, Any]) -> dict[str, Any]:
         studio = self._studio
@@ -226,8 +229,6 @@ class PageConnection:
             return {"schema": json_schema()}
         if do == "files":
             return studio.folder.files()
-        if do == "new":
-            return {"text": template(str(asked["name"]))}
         if do == "read":
             return studio.folder.read(str(asked["name"]))
         if do == "save":

@@ -34,7 +34,7 @@ def described(dataset: xr.Dataset) -> dict[str, Any]:
     """
     count = int(dataset["outcome"].size)
     if count > MOST_CASES:
-        raise RopewalkError(f"this sweep has {count} cases, a page shows {MOST_CASES}: draw it by  ropewalk show")
+        raise RopewalkError(f"this sweep has {count} cases, a page shows at most {MOST_CASES}")
 
     def column(name: str) -> dict[str, Any]:
         values = dataset[name].broadcast_like(dataset["outcome"]).transpose(*dataset["outcome"].dims).values.ravel()
@@ -72,7 +72,7 @@ def checked_plan(scenario: Scenario, sweep: Sweep, allow: Callable[[Scenario], N
             check_inside(tree, folder)  # before a file is read to see what is in it
     plan = Plan.of(scenario, sweep)
     if len(plan.rows) > MOST_CASES:
-        remedy = "compute it on the command line"
+        remedy = f"use at most {MOST_CASES} cases"
         raise ScenarioError([Problem("sweep", "has too many cases for a page", str(len(plan.rows)), remedy)])
     for row in plan.rows:
         if row.case is not None:

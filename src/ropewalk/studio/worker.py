@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ropewalk.permission import STUDIO, forbid_code
+from ropewalk.studio.folder import RESULTS, Folder, check_inside
 
 if TYPE_CHECKING:
     from ropewalk.model.scenario import Scenario
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
 MOST_NODES = 50_000  # of a scenario in the studio
 _FAREWELL = 1.5  # s, from the end of the server
+ACKNOWLEDGED = -1  # ticket of the message that a stop has been heard
 EXPORTS = ("png", "svg", "pdf", "csv", "zip", "xlsx", "gif", "mp4")
 Answer = dict[str, Any]
 
@@ -75,6 +77,7 @@ class ComputingProcess:
         self._disk = disk
         self._dragging: Dragging | None = None
         self._waiting = list[Answer]()
+        self._now = 0, 0  # ticket and number of the question
         self._xi = 0.0  # m, where the load was dragged to last
 
     def serve(self) -> None:
@@ -83,6 +86,7 @@ class ComputingProcess:
 
         asked = self._waiting.pop(0) if self._waiting else self._pipe.recv()
         ticket, number, do = asked["ticket"], asked["id"], str(asked["do"])
+        self._now = ticket, number
         try:
             answer: Callable[[Answer], Answer | bytes] | None = getattr(self, f"_do_{do}", None)
             found = {} if answer is None else answer(asked)
@@ -91,9 +95,9 @@ class ComputingProcess:
         except RopewalkError as error:
             found = {"error": str(error)}
         except KeyboardInterrupt:
-            found = {"error": "stopped before there was anything to keep"}
+            found = {"error": "stopped before the first result"}
         except MemoryError:
-            found = {"error": "this needs more memory than the studio may take (--memory)"}
+            found = {"error": "this needs more memory than the studio may use; start the studio with a larger limit"}
         except RecursionError:
             found = {"error": "the blocks are nested too deeply"}
         except LookupError as error:
@@ -102,9 +106,11 @@ class ComputingProcess:
             found = {"error": f"ropewalk failed ({type(error).__name__}: {error}); this is a fault of ropewalk"}
         self._send(ticket, True, found if isinstance(found, bytes) else {"id": number, **found})
 
-    def _send(self, ticket: int, last: bool, message: Answer | bytes) -> None:
+    def _send(self, ticket: int, last: bool, message: Answer | bytes | str) -> None:
+        if not isinstance(message, bytes):
+            message = json.dumps(message).replace(f"{self._folder}{os.sep}", "")  # no full paths on the page
         try:
-            self._pipe.send((ticket, last, message if isinstance(message, bytes) else json.dumps(message)))
+            self._pipe.send((ticket, last, message))
         except OSError:  # the server has gone: a run ends as if it were stopped, and keeps what it has
             raise KeyboardInterrupt from None
 
@@ -119,7 +125,6 @@ class ComputingProcess:
     def _allow(self, scenario: Scenario) -> None:
         from ropewalk.errors import Problem, ScenarioError
         from ropewalk.external.models import refuse_code
-        from ropewalk.studio.folder import check_inside
 
         if not self._allow_code:
             refuse_code(scenario.loads)
@@ -128,8 +133,11 @@ class ComputingProcess:
         )
         for name, line in scenario.lines.items():
             if isinstance(elements := getattr(line, "elements", None), int) and elements > MOST_NODES:
-                remedy = f"write at most {MOST_NODES}, or run it from the command line"
+                remedy = f"use at most {MOST_NODES} in the studio"
                 raise ScenarioError([Problem(f"lines.{name}.elements", "is too much here", str(elements), remedy)])
+
+    def _result(self, name: str) -> Path:
+        return Folder(self._folder).file(name, RESULTS)
 
     def _do_check(self, asked: Answer) -> Answer:
         """Every mistake in a text."""
@@ -182,8 +190,6 @@ class ComputingProcess:
 
     def _bound_disk(self) -> None:
         """Bound the files that are written from now on to what is left of the disk, or refuse to begin."""
-        from ropewalk.studio.folder import Folder
-
         if not self._disk:
             return
         bytes_left = Folder(self._folder).bytes_left(self._disk)
@@ -197,14 +203,20 @@ class ComputingProcess:
 
     def _do_run(self, asked: Answer) -> Answer:
         """A run as `ropewalk run` does it: its result is written while it goes on, unless it is not to be kept."""
-        from ropewalk.studio.folder import RESULTS, Folder
+        from ropewalk.results import ResultError
+        from ropewalk.results.target import check_own
 
         scenario = self._scenario(asked)
         if asked.get("unkept"):
             return self._run(asked, scenario, None)
         self._bound_disk()
-        stem = Path(str(asked.get("name") or "scenario.yaml")).stem
-        return self._run(asked, scenario, Folder(self._folder).file(f"{stem}.nc", RESULTS))
+        file = self._result(f"{Path(str(asked.get('name') or 'scenario.yaml')).stem}.nc")
+        if not asked.get("overwrite"):
+            try:
+                check_own(file, scenario)
+            except ResultError:  # the page asks whether to replace it
+                return {"replaces": file.name}
+        return self._run(asked, scenario, file)
 
     def _run(self, asked: Answer, scenario: Scenario, file: Path | None) -> Answer:
         from ropewalk.model.run import Dynamic, Linear, Quasistatic
@@ -213,8 +225,9 @@ class ComputingProcess:
         from ropewalk.studio.streams import Streamed, stored
 
         number, ticket, run = asked["id"], asked["ticket"], scenario.run
-        if how_long := must_compile(scenario):
-            self._send(ticket, False, {"id": number, "event": "compiling", "how_long": how_long})
+        how_long = must_compile(scenario)
+        state = f"preparing, first run only ({how_long})" if how_long else "setting up"
+        self._send(ticket, False, {"id": number, "event": "state", "state": state})
         total = run.positions if isinstance(run, Quasistatic) else 1
         if isinstance(run, Dynamic | Linear):
             total = int(output_times(run).size)
@@ -233,18 +246,19 @@ class ComputingProcess:
             except EOFError:
                 raise KeyboardInterrupt from None
             if asked["do"] == "stop":
+                self._send(ACKNOWLEDGED, False, {})
+                self._send(self._now[0], False, {"id": self._now[1], "event": "stopped"})
                 raise KeyboardInterrupt
             self._waiting.append(asked)
 
     def _do_result(self, asked: Answer) -> Answer:
         """A result that is there, as if it had just been computed; of a sweep, its cases."""
         from ropewalk.results import open_result
-        from ropewalk.studio.folder import RESULTS, Folder
         from ropewalk.studio.streams import of_result, stored
         from ropewalk.studio.sweeps import described
         from ropewalk.sweeps.writing import read
 
-        file, number = Folder(self._folder).file(str(asked["name"]), RESULTS), asked["id"]
+        file, number = self._result(str(asked["name"])), asked["id"]
         if (many := read(file)) is not None:
             return {"file": file.name, "sweep": described(many)}
         ticket = asked["ticket"]
@@ -256,7 +270,6 @@ class ComputingProcess:
     def _do_sweep(self, asked: Answer) -> Answer:
         """The sweep of a scenario, as `ropewalk sweep` does it, into FILE.sweep.nc and FILE.sweep.jsonl."""
         from ropewalk.results import ResultError
-        from ropewalk.studio.folder import RESULTS, Folder
         from ropewalk.studio.sweeps import checked_plan, described
         from ropewalk.sweeps.plan import asked as wished
         from ropewalk.sweeps.sweeping import sweep
@@ -295,11 +308,10 @@ class ComputingProcess:
 
     def _do_case(self, asked: Answer) -> Answer:
         """The scenario of one case of a sweep."""
-        from ropewalk.studio.folder import RESULTS, Folder
         from ropewalk.studio.sweeps import case_of
         from ropewalk.sweeps.writing import read
 
-        file = Folder(self._folder).file(str(asked["name"]), RESULTS)
+        file = self._result(str(asked["name"]))
         if (many := read(file)) is None:
             return {"error": f"{file.name}: is no sweep"}
         return case_of(many, int(asked["row"]), self._allow, self._folder)
@@ -307,11 +319,10 @@ class ComputingProcess:
     def _do_export(self, asked: Answer) -> Answer | bytes:
         """A result as a figure, film, table, report, or a page that needs no server; a sweep as figure or table."""
         from ropewalk.results import figure, film, html_report, open_result, write_tables
-        from ropewalk.studio.folder import RESULTS, Folder
         from ropewalk.studio.share import shared
         from ropewalk.sweeps.writing import read, write
 
-        file, kind = Folder(self._folder).file(str(asked["name"]), RESULTS), str(asked["as"])
+        file, kind = self._result(str(asked["name"])), str(asked["as"])
         with tempfile.TemporaryDirectory() as place:
             made = Path(place) / f"{file.stem}.{kind}"
             if (many := read(file)) is not None:
@@ -319,23 +330,21 @@ class ComputingProcess:
                     return {"error": f"{kind}: sweeps are exported as png, svg, pdf, csv or xlsx"}
                 write(many, made)
                 return made.read_bytes()
+            if kind not in ("page", "report", *EXPORTS):
+                return {"error": f"{kind}: results are exported as page, report, {', '.join(EXPORTS)}"}
             with open_result(file) as dataset:
-                if kind == "page":
-                    return shared(dataset).encode()
-                if kind == "report":
-                    return html_report(dataset).encode()
+                if kind in ("page", "report"):
+                    return (shared if kind == "page" else html_report)(dataset).encode()
                 if kind in ("png", "svg", "pdf"):
                     figure(dataset).savefig(made)
-                elif kind in ("csv", "xlsx"):
-                    made = write_tables(dataset, made)[0]
+                elif kind in ("gif", "mp4"):
+                    film(dataset, made)
                 elif kind == "zip":  # all tables, where they are files of their own
                     with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as several:
                         for table in write_tables(dataset, made.with_suffix(".csv")):
                             several.write(table, table.name)
-                elif kind in ("gif", "mp4"):
-                    film(dataset, made)
                 else:
-                    return {"error": f"{kind}: results are exported as page, report, {', '.join(EXPORTS)}"}
+                    made = write_tables(dataset, made)[0]
                 return made.read_bytes()
 
 
