@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SMALL, LARGE = 0.01, 1e5  # in the unit shown: smaller and larger numbers are labelled with a power of ten
+LOW = 0.1  # m: smaller coordinates are labelled as lengths
 _LABEL = re.compile(r"(?P<what>.*)\((?P<unit>[^()]+)\)(?P<more>[^()]*)")
 _PLACE = re.compile(r"[xyz] |time |load path ")  # coordinates and instants
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -73,7 +74,7 @@ def unit_of(ax: Axes, units: DisplayUnits) -> DisplayUnit | None:
     found = _LABEL.fullmatch(ax.get_ylabel())
     if found is None or found["unit"] not in ENGINEERING:
         return None
-    if _PLACE.match(found["what"]):
+    if _PLACE.match(found["what"]) and not (found["unit"] == "m" and np.abs(ax.get_ylim()).max() < LOW):
         return units.place if found["unit"] == "m" else DisplayUnit(found["unit"], 1.0)
     return units.of(found["unit"], [ax.get_ylim()])
 
@@ -81,7 +82,7 @@ def unit_of(ax: Axes, units: DisplayUnits) -> DisplayUnit | None:
 def _label(ax: Axes, axis: Axis, displayed: DisplayUnit, largest: float) -> None:
     found = _LABEL.fullmatch(ax.get_ylabel())
     assert found is not None
-    size, symbol = displayed.size, displayed.symbol
+    size, symbol = displayed.size, displayed.symbol.replace("^2", "²").replace("*", "·")
     if not _PLACE.match(found["what"]) and not SMALL * size <= largest < LARGE * size and largest > 0.0:
         power = int(np.floor(np.log10(largest / size)))
         size, symbol = size * 10.0**power, f"10{str(power).translate(_RAISED)} {symbol}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,20 +20,25 @@ from ropewalk.results.display_units import number
 from ropewalk.results.drawn import drawn_position
 from ropewalk.results.drawn_bodies import drawn_bodies
 from ropewalk.results.frame import ENERGY_FORMS, Array
-from ropewalk.results.nets import line_ends, net_names
+from ropewalk.results.nets import line_ends, most_deflected, net_names
 from ropewalk.results.statistics import blocks, lines
+from ropewalk.results.strength import strengths
 from ropewalk.results.table import ENERGY_LABELS, LARGEST, percent
 from ropewalk.results.ties import tied, ties
+from ropewalk.results.trains import grouped_contacts
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SHAPES = 9  # instants drawn
-CURVES = 11  # more than these make a view unreadable
+SHAPES = 7  # instants drawn
+CURVES = 7  # more than these make a view unreadable
 POINTS = 2000  # most points drawn of one curve
 SEEN = 0.005  # of the largest value in a panel: what is no larger cannot be told from zero
+REACH = 2.0  # times the largest value: limits beyond this are named only
+LIMIT: Any = {"color": style.RED, "linewidth": 1.2, "linestyle": (0, (6, 2)), "zorder": 1}  # look of a limit
+Curve = tuple[str, Array, dict[str, Any]]  # label, values (instant,), look
 FLATTEST = 0.14  # flatter shapes than this (height to width) are drawn with exaggerated heights
 
 
@@ -44,7 +49,7 @@ def shapes(dataset: xr.Dataset, ax: Axes, instants: int = SHAPES) -> None:
     are exaggerated by a round number, which the label states.
     """
     name = path_name(dataset)
-    frames = style.thinned(dataset.sizes[name], instants)
+    frames = np.union1d(style.thinned(dataset.sizes[name], instants - 1), [most := most_deflected(dataset)])
     chosen = dataset.isel({name: frames})
     position = drawn_position(chosen)
     colours = style.colours(style.INSTANTS)(np.linspace(0.0, 1.0, max(len(frames), 2)))
@@ -53,7 +58,9 @@ def shapes(dataset: xr.Dataset, ax: Axes, instants: int = SHAPES) -> None:
         here = here[style.thinned(len(here), POINTS)]
         x, z = position[:, here, 0], position[:, here, -1]
         for k in range(len(frames)):
-            ax.plot(x[k], z[k], color=colours[k], linewidth=style.LINE, label=_instant(dataset, line, frames[k]))
+            label = _instant(dataset, line, frames[k])
+            width = style.LINE * (1.6 if frames[k] == most and len(frames) > 2 else 1.0)
+            ax.plot(x[k], z[k], color=colours[k], linewidth=width, label=label)
         ends: dict[str, Any] = {
             "marker": CARETUP,
             "color": style.INK,
@@ -129,55 +136,63 @@ def _draw_bodies(dataset: xr.Dataset, ax: Axes, frames: NDArray[np.intp], colour
 
 
 def tension(dataset: xr.Dataset, ax: Axes) -> None:
-    """Draw the largest tension, the tensions at the ends of the lines, and behind and ahead of the loads."""
-    path = dataset[path_name(dataset)].values
+    """Draw the largest tension, the tensions at the ends of the lines, behind and ahead of the loads, and strengths."""
+    curves, names = list[Curve](), lines(dataset)
     if dataset.sizes["link"]:
         largest = np.concatenate([_row_max(block["tension"].values) for block in blocks(dataset)])
-        ax.plot(path, largest, color=style.INK, linewidth=style.LINE, label="largest")
-    names = lines(dataset)
-    several = len(names) > 1
-    count = (2 * len(names) if len(names) <= LARGEST else LARGEST) + 2 * dataset.sizes["contact"]
-    nth = iter(range(count))
-    ends = ((0, "start", style.BLUE), (-1, "end", style.SKY))
+        curves.append(("largest", largest, {"color": style.INK}))
     if len(names) > LARGEST:  # more lines than these make the view unreadable
-        _most_pulled(dataset, ax, names, nth, count)
+        curves += _most_pulled(dataset, names)
     for line in names if len(names) <= LARGEST else ():
         here = np.flatnonzero(dataset["link_line"].values == line)
-        for index, end, colour in ends:
+        for index, end, colour in ((0, "start", style.BLUE), (-1, "end", style.SKY)):
+            label = f"{end} of {line}" if len(names) > 1 else f"at the {end}"
             values = dataset["tension"].isel(link=here[index]).values
-            label = f"{end} of {line}" if several else f"at the {end}"
-            ax.plot(
-                path,
-                values,
-                color=colour,
-                linewidth=style.THIN,
-                label=label,
-                **style.marks(next(nth), count, path.size),
-            )
-    sides = ((0, "behind", style.RED, "-"), (1, "ahead of", style.ORANGE, "--"))
-    alone = dataset.sizes["contact"] == 1
-    for k, load in enumerate(dataset["load"].values.tolist()):
-        for index, side, own, dashes in sides:
-            colour = own if alone else colour_of(k)  # several loads have a colour each, and each side its dashes
-            values = dataset["contact_tension"][:, k, index].values
-            if np.isfinite(values).any():  # loads on nets have no two sides
-                drawn: dict[str, Any] = {"color": colour, "linestyle": dashes, "linewidth": style.LINE}
-                ax.plot(path, values, **drawn, label=f"{side} {load}", **style.marks(next(nth), count, path.size))
+            curves.append((label, values, {"color": colour, "linewidth": style.THIN}))
+    near = _near_loads(dataset)
+    if len(curves) + len(near) > CURVES:
+        band(dataset, ax, [values for _, values, _ in near], "next to the loads, least to largest")
+        near = []
+    draw_curves(dataset, ax, curves + near)
+    _draw_strengths(dataset, ax)
     style.dress(ax, "Tension", path_label(dataset), "tension (N)")
     style.legend(ax)
 
 
-def _most_pulled(dataset: xr.Dataset, ax: Axes, names: list[str], nth: Iterator[int], count: int) -> None:
-    """Draw the largest tension in each of the lines that are pulled most."""
+def _near_loads(dataset: xr.Dataset) -> list[Curve]:
+    """Return the tensions behind and ahead of the loads; those on nets have no two sides."""
+    out, alone, groups = list[Curve](), dataset.sizes["contact"] == 1, grouped_contacts(dataset)
+    for k, load in enumerate(dataset["load"].values.tolist()):
+        for index, side, own, dashes in ((0, "behind", style.RED, "-"), (1, "ahead of", style.ORANGE, "--")):
+            values = dataset["contact_tension"][:, k, index].values
+            if k not in groups and np.isfinite(values).any():  # several loads have a colour each, and each side its dashes
+                out.append((f"{side} {load}", values, {"color": own if alone else colour_of(k), "linestyle": dashes}))
+    return out
+
+
+def _draw_strengths(dataset: xr.Dataset, ax: Axes) -> None:
+    """Draw the strengths of lines that are in reach of the tensions, and name the others."""
+    scenario, (low, high) = scenario_of(dataset), ax.get_ylim()
+    found = strengths(scenario) if scenario is not None else {}
+    for name, strength in found.items():
+        if strength < REACH * high:
+            ax.axhline(strength, **LIMIT, label=f"strength of {name}")
+            high = max(high, 1.05 * strength)
+    far = [f"strength of {name} {strength / 1e3:.4g} kN" for name, strength in found.items() if strength >= REACH * high]
+    if len(far) == 1:
+        style.remark(ax, far[0])
+    ax.set_ylim(low, high)
+
+
+def _most_pulled(dataset: xr.Dataset, names: list[str]) -> list[Curve]:
+    """Return the largest tension in each of the lines that are pulled most."""
     owner = np.array([names.index(line) for line in dataset["link_line"].values.tolist()])
     largest = np.full((dataset.sizes[path_name(dataset)], len(names)), -np.inf)
     for k in range(len(names)):
         largest[:, k] = _row_max(dataset["tension"].isel(link=np.flatnonzero(owner == k)).values)
     most = np.argsort(-np.nan_to_num(largest).max(axis=0), kind="stable")[:LARGEST]
-    for colour, k in zip((style.BLUE, style.SKY, style.GREEN), most, strict=False):
-        path = dataset[path_name(dataset)].values
-        drawn: dict[str, Any] = {"color": colour, "linewidth": style.THIN, **style.marks(next(nth), count, path.size)}
-        ax.plot(path, largest[:, k], **drawn, label=f"largest in {names[k]}")
+    looks = ({"color": colour, "linewidth": style.THIN} for colour in (style.BLUE, style.SKY, style.GREEN))
+    return [(f"largest in {names[k]}", largest[:, k], look) for look, k in zip(looks, most, strict=False)]
 
 
 def net_tension(dataset: xr.Dataset, ax: Axes) -> None:
@@ -215,17 +230,13 @@ def _places(dataset: xr.Dataset, ax: Axes, axis: str) -> None:
     """Draw a coordinate of contacts and bodies, if there is such an axis."""
     if axis not in dataset["axis"].values:
         return
-    path = dataset[path_name(dataset)].values
-    loads = dataset["load"].values.tolist()
-    count = len(loads) + dataset.sizes["body"]
-    for k, load in enumerate(loads):
-        place = dataset["contact_position"][:, k].sel(axis=axis).values
-        ax.plot(path, place, color=colour_of(k), linewidth=style.LINE, label=load, **style.marks(k, count, path.size))
-    for i, body in enumerate(dataset["body"].values.tolist()):
-        place = dataset["body_position"][:, i].sel(axis=axis).values
-        colour = colour_of(dataset.sizes["contact"] + i)
-        drawn: dict[str, Any] = {"color": colour, "linewidth": style.LINE, "linestyle": (0, (4, 1.5))}
-        ax.plot(path, place, **drawn, label=body, **style.marks(len(loads) + i, count, path.size))
+    curves, groups = list[Curve](), grouped_contacts(dataset)
+    for kind, name, dashes in (("contact", "load", "-"), ("body", "body", (0, (4, 1.5)))):
+        for k, label in enumerate(dataset[name].values.tolist() if name in dataset.coords else ()):
+            values = dataset[f"{kind}_position"][:, k].sel(axis=axis).values
+            if kind == "body" or k not in groups:
+                curves.append((label, values, {"color": colour_of(len(curves)), "linestyle": dashes}))
+    draw_curves(dataset, ax, curves)
 
 
 def hold_force(dataset: xr.Dataset, ax: Axes) -> None:
@@ -267,38 +278,22 @@ def contact_friction(dataset: xr.Dataset, ax: Axes) -> None:
 
 def reactions(dataset: xr.Dataset, ax: Axes) -> None:
     """Draw the forces of the supports on the lines by component."""
-    force, names = dataset["reaction"], dataset["support"].values.tolist()
-    title = "Support forces on the line"
-    if force[0].size > CURVES:
-        size = np.nan_to_num(np.linalg.norm(force.values, axis=2)).max(axis=0, initial=0.0)
-        largest = np.argsort(-size, kind="stable")[:LARGEST]
-        force, names = force.isel(support=largest), [names[k] for k in largest]
-        title = f"The {LARGEST} largest support forces of {dataset.sizes['support']}"
-    _components(dataset, ax, force, names)
-    style.dress(ax, title, path_label(dataset), "force (N)")
+    _components(dataset, ax, dataset["reaction"], dataset["support"].values.tolist())
+    style.dress(ax, "Support forces on the line", path_label(dataset), "force (N)")
     style.legend(ax)
 
 
 def energy(dataset: xr.Dataset, ax: Axes) -> None:
     """Draw the change of every form of energy since the start; forms whose changes could not be seen are left out."""
-    path, values = dataset[path_name(dataset)].values, dataset["energy"].values
-    change = values - values[:1]
-    scale = np.nanmax(np.abs(change), initial=0.0)
-    stored = ("kinetic", "elastic", "gravitational")
-    there = [k for k, form in enumerate(ENERGY_FORMS)
-             if form != AUDIT and np.nanmax(np.abs(change[:, k]), initial=0.0) > SEEN * scale]  # fmt: skip
-    for n, k in enumerate(there):
-        form = ENERGY_FORMS[k]
-        dashes: Any = "-" if form in stored else (0, (4, 1.5))
-        ax.plot(
-            path,
-            change[:, k],
-            color=style.CYCLE[n % len(style.CYCLE)],
-            linestyle=dashes,
-            linewidth=style.LINE,
-            label=ENERGY_LABELS[form],
-            **style.marks(n, len(there), path.size),
-        )
+    change = dataset["energy"].values - dataset["energy"].values[:1]
+    sizes = np.nanmax(np.abs(change), axis=0, initial=0.0)
+    seen = [k for k, form in enumerate(ENERGY_FORMS) if form != AUDIT and sizes[k] > SEEN * sizes.max()]
+    curves = list[Curve]()
+    for k in sorted(sorted(seen, key=lambda k: -sizes[k])[:CURVES]):
+        dashes: Any = "-" if ENERGY_FORMS[k] in ("kinetic", "elastic", "gravitational") else (0, (4, 1.5))
+        look = {"color": style.CYCLE[len(curves) % len(style.CYCLE)], "linestyle": dashes}
+        curves.append((ENERGY_LABELS[ENERGY_FORMS[k]], change[:, k], look))
+    draw_curves(dataset, ax, curves)
     style.dress(ax, "Energy since the start", path_label(dataset), "energy (J)")
     style.legend(ax)
 
@@ -307,11 +302,11 @@ def imbalance(dataset: xr.Dataset, ax: Axes) -> None:
     """Draw the energy residual, and compare it with the energy throughput."""
     path, values = dataset[path_name(dataset)].values, dataset["energy"].values
     missed = values[:, ENERGY_FORMS.index(AUDIT)]
-    ax.plot(path, missed, color=style.INK, linewidth=style.THIN, label="_imbalance")
+    ax.plot(path, missed, color=style.INK, linewidth=style.THIN, label="_energy residual")
     moved, worst = float(np.max(turnover(values))), float(np.nanmax(np.abs(missed), initial=0.0))
-    style.dress(ax, "Imbalance", path_label(dataset), "energy (J)")
+    style.dress(ax, "Energy residual", path_label(dataset), "energy (J)")
     if moved > 0.0 and worst > rounding(scenario_of(dataset), values):
-        note = f"{percent(worst / moved)} of the throughput"
+        note = f"{percent(worst / moved)} of the energy throughput"
         style.remark(ax, note if note.startswith("less") else f"at most {note}")
 
 
@@ -414,15 +409,36 @@ def any_of(dataset: xr.Dataset, name: str) -> bool:
 
 def _of_contacts(dataset: xr.Dataset, ax: Axes, name: str) -> None:
     """Draw a quantity of every contact, if it is anything but zero."""
-    path, values = dataset[path_name(dataset)].values, dataset[name].values
-    for k, load in enumerate(dataset["load"].values.tolist()):
-        if np.nan_to_num(values[:, k]).any():
-            drawn: dict[str, Any] = {
-                "color": colour_of(k),
-                "linewidth": style.LINE,
-                **style.marks(k, values.shape[1], path.size),
-            }
-            ax.plot(path, np.where(np.isfinite(values[:, k]), values[:, k], np.nan), **drawn, label=load)
+    values, loads = dataset[name].values, dataset["load"].values.tolist()
+    kept = [k for k in range(len(loads)) if np.nan_to_num(values[:, k]).any()]
+    draw_curves(dataset, ax, [(loads[k], np.where(np.isfinite(values[:, k]), values[:, k], np.nan), {}) for k in kept])
+
+
+def draw_curves(dataset: xr.Dataset, ax: Axes, curves: Sequence[Curve]) -> None:
+    """Draw curves over the path; of more than seven the three largest, and a band from the least to the largest of all.
+
+    Args:
+        dataset: a result.
+        ax: axes to draw on.
+        curves: label, values (instant,) and look of each; without a colour they take those of several things.
+    """
+    path = dataset[path_name(dataset)].values
+    if len(curves) > CURVES:
+        band(dataset, ax, [values for _, values, _ in curves], f"least to largest of {len(curves)}")
+        sizes = [-np.nanmax(np.abs(values), initial=0.0) for _, values, _ in curves]
+        curves = [(curves[k][0], curves[k][1], {}) for k in np.argsort(sizes, kind="stable")[:LARGEST]]
+    for n, (label, values, look) in enumerate(curves):
+        plain = {"color": colour_of(n), "linewidth": style.LINE, **style.marks(n, len(curves), path.size)}
+        ax.plot(path, values, label=label, **{**plain, **look})
+
+
+def band(dataset: xr.Dataset, ax: Axes, curves: Sequence[Array], label: str) -> None:
+    """Fill between the least and the largest of curves (instant,)."""
+    path, every = dataset[path_name(dataset)].values, np.array(curves)
+    low, high = np.fmin.reduce(every), np.fmax.reduce(every)
+    ax.fill_between(path, low, high, color=style.FAINT, alpha=0.35, linewidth=0.0, label=label, zorder=1)
+    for values, name in ((low, "_least"), (high, "_largest")):
+        ax.plot(path, values, color=style.FAINT, linewidth=0.5, label=name, zorder=1)
 
 
 def _row_max(values: Array) -> Array:
@@ -437,16 +453,20 @@ def contact_curves(dataset: xr.Dataset) -> list[tuple[str, Array]]:
 
 
 def _components(dataset: xr.Dataset, ax: Axes, force: xr.DataArray, names: list[str]) -> None:
-    """Draw the components of forces (frame, name, axis), those that matter; a colour for each name."""
-    path, values = dataset[path_name(dataset)].values, force.values
-    scale = np.nanmax(np.abs(values), initial=0.0)
+    """Draw the components of forces (frame, name, axis), those that matter; of many forces their sizes."""
+    values, axes = force.values, dataset["axis"].values.tolist()
+    seen = np.nanmax(np.abs(values), axis=0, initial=0.0) > SEEN * np.nanmax(np.abs(values), initial=0.0)
     dashes: dict[str, Any] = {"x": "-", "y": (0, (1, 1)), "z": (0, (5, 1.5))}
-    for k, name in enumerate(names):
-        for i, axis in enumerate(dataset["axis"].values.tolist()):
-            if np.nanmax(np.abs(values[:, k, i]), initial=0.0) > SEEN * scale:
-                options = {"color": colour_of(k), "linestyle": dashes[axis], "linewidth": style.LINE}
-                options |= style.marks(k, len(names), path.size)
-                ax.plot(path, values[:, k, i], **options, label=f"{name}, {axis}")
+    if seen.sum() <= CURVES:
+        alone = seen.any(axis=0).sum() == 1
+        draw_curves(dataset, ax, [
+            (f"{names[k]}, {axes[i]}", values[:, k, i],
+             {"color": colour_of(k), "linestyle": "-" if alone else dashes[axes[i]]})
+            for k, i in np.argwhere(seen).tolist()
+        ])  # fmt: skip
+    else:
+        sizes = np.linalg.norm(values, axis=2)
+        draw_curves(dataset, ax, [(f"size of {names[k]}", sizes[:, k], {}) for k in np.flatnonzero(seen.any(axis=1))])
 
 
 def finish_loads(dataset: xr.Dataset, ax: Axes) -> None:
