@@ -1,0 +1,291 @@
+"""Description of the frames of a run for all renderers: colours, diagrams, symbols, factors of exaggeration.
+
+The page of the studio and the films of Matplotlib draw the same description:
+
+- Places: nodes at `reference + factor * (position - reference)`, and heights `height_factor` times as large. Contacts
+  and bodies have places without displacement too, `contact_reference` and `body_reference`, and the same factor.
+- Colour: one quantity of links, nodes or cells, chosen by the structure; `None` where lines have one colour.
+- Diagrams: quantities of nodes, drawn below the lines over the same coordinates.
+- Symbols: see `ropewalk.results.symbols`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ropewalk.results import style
+from ropewalk.results.contact_statistics import scenario_of
+from ropewalk.results.declared import declared, line_of
+from ropewalk.results.display_units import DisplayUnits
+from ropewalk.results.drawn import drawn_position
+from ropewalk.results.frame import Array
+from ropewalk.results.line_response import LineResponse
+from ropewalk.results.nets import is_spatial
+from ropewalk.results.symbols import Symbol, Wheels, symbols_of
+from ropewalk.results.ties import ties
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ropewalk.model import Scenario
+    from ropewalk.model.line import Line
+
+VISIBLE = 0.015  # of the extent: displacements at least as large are drawn to scale
+DRAWN = 0.1  # of the extent: most of exaggerated displacements
+FLAT, HIGH = 0.07, 0.35  # height to width: lines that are flatter are drawn with larger heights, at most so high
+STRAIGHT = 1e-3  # height to width, below which lines are straight
+AROUND = 45.0  # m, of an overhead line on each side of its pantographs
+_STILL = 1e-9  # of the extent: smaller displacements are round-off
+_NOTHING = 1e-9  # of any quantity in SI: round-off
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A quantity that is drawn as a colour or as a diagram.
+
+    Args:
+        name: of the array that holds it, of a result or of `Picture.add`.
+        label: for readers.
+        unit: SI unit of the array.
+        of: "link", "node" or "cell": what the array has an entry of.
+        lines: names of the lines that it is drawn along; empty: all.
+        down: whether diagrams draw positive values downwards, as of deflections and sagging moments.
+    """
+
+    name: str
+    label: str
+    unit: str
+    of: str
+    lines: tuple[str, ...] = ()
+    down: bool = False
+
+
+TENSION = Quantity("tension", "tension", "N", "link")
+NET_TENSION = Quantity("net_tension", "tension per width", "N/m", "cell")
+
+
+class Picture:
+    """Description of the frames of a run, for one renderer after the other.
+
+    Args:
+        dataset: a result, or the first frames of it.
+    """
+
+    def __init__(self, dataset: xr.Dataset) -> None:
+        scenario = scenario_of(dataset)
+        self.lines = list(dict.fromkeys(dataset["line"].values.tolist()))
+        self.is_spatial = is_spatial(dataset)
+        self.beams = _beams(scenario, self.lines)
+        self.is_overhead = scenario is not None and bool(scenario.overhead_lines)
+        self.colour: Quantity | None = self._colour(dataset, scenario)
+        self.diagrams = self._diagrams(scenario)
+        self.reference = self._reference(dataset, scenario)
+        self.symbols: list[Symbol] = symbols_of(dataset, scenario, self.reference)
+        self.ranges: dict[str, tuple[float, float]] = {}
+        self._scenario, self._wheels = scenario, Wheels(dataset, scenario)
+        self._loads, self._ties = declared(dataset, "loads"), ties(dataset)
+        self._displaced, self._low = 0.0, np.full(dataset.sizes["axis"], np.nan)
+        self._high = self._low
+
+    @classmethod
+    def of(cls, dataset: xr.Dataset) -> Picture:
+        """Return the description of a whole result, with the factors and ranges of all its frames."""
+        picture = cls(dataset)
+        picture.add(dataset)
+        return picture
+
+    def _colour(self, dataset: xr.Dataset, scenario: Scenario | None) -> Quantity | None:
+        if not dataset.sizes["link"]:
+            return NET_TENSION if "cell_tension" in dataset else None
+        if self.is_overhead:
+            wires = tuple(line for line in self.lines if line.endswith((".contact", ".messenger")))
+            return Quantity("uplift", "uplift", "m", "node", wires)
+        if self.beams or _is_linear(scenario):
+            return Quantity("deflection", "deflection", "m", "node", down=True)
+        return TENSION
+
+    def _diagrams(self, scenario: Scenario | None) -> list[Quantity]:
+        if self.is_overhead:
+            wires = tuple(line for line in self.lines if line.endswith(".contact"))
+            return [Quantity("uplift", "uplift of the contact wire", "m", "node", wires)]
+        if self.colour is None or self.colour.name != "deflection":
+            return []
+        drawn = tuple(self.beams) or tuple(self.lines)
+        bending = (
+            [Quantity("moment", "bending moment", "N*m", "node", tuple(self.beams), down=True)] if self.beams else []
+        )
+        return [Quantity("deflection", "deflection", "m", "node", drawn, down=True), *bending]
+
+    def _reference(self, dataset: xr.Dataset, scenario: Scenario | None) -> Array:
+        """Return the positions (node, axis) that displacements are measured from, m.
+
+        These are the first ones, as for deflections in results; beams of an equilibrium have straight ones instead.
+        """
+        reference = np.array(dataset["position"].values[0], dtype=float)
+        if scenario is None or getattr(scenario.run, "kind", "") != "equilibrium":
+            return reference
+        for name in self.beams:
+            own = np.flatnonzero(dataset["line"].values == name)
+            part = (dataset["xi"].values[own] / max(float(dataset["xi"].values[own[-1]]), 1e-12))[:, None]
+            reference[own] = (1.0 - part) * reference[own[0]] + part * reference[own[-1]]
+        return reference
+
+    # -- Frames ------------------------------------------------------------------------------------------------------
+
+    def add(self, dataset: xr.Dataset) -> dict[str, Array]:
+        """Return the arrays to draw of some frames, and extend ranges and factors by them.
+
+        Args:
+            dataset: the next frames of the result.
+
+        Returns:
+            By name, (frame, ...) in SI units: `position` (node, axis), with bends at contacts; `contact_position` and
+            `body_position` with their references; `wheel_position` (contact, axis) with wheels of trains before and
+            behind the line too, if there are trains; the quantities of `colour` and `diagrams`.
+        """
+        position = drawn_position(dataset)
+        arrays: dict[str, Array] = {"position": position, **self._references(dataset, position)}
+        if self._wheels.trains:
+            arrays["wheel_position"] = self._wheels.places(dataset)
+        quantities = {q.name: q for q in (*self.diagrams, *([self.colour] if self.colour else ()))}
+        for name in quantities:
+            arrays[name] = self._values(dataset, position, name)
+            kept = arrays[name][np.isfinite(arrays[name])]
+            if kept.size:
+                low, high = self.ranges.get(name, (np.inf, -np.inf))
+                self.ranges[name] = min(low, float(kept.min())), max(high, float(kept.max()))
+        self._extend(dataset, position)
+        return arrays
+
+    def _values(self, dataset: xr.Dataset, position: Array, name: str) -> Array:
+        if name == "tension":
+            return np.asarray(dataset["tension"].values)
+        if name == "net_tension":
+            return np.asarray(np.fmax.reduce(dataset["cell_tension"].values, axis=-1))
+        if name == "moment":
+            return self._moment(dataset)
+        rise = dataset["position"].values[..., -1] - self.reference[:, -1]
+        return np.asarray(rise if name == "uplift" else -rise)
+
+    def _moment(self, dataset: xr.Dataset) -> Array:
+        """Return the bending moments (frame, node), N m; NaN of lines without bending stiffness."""
+        out = np.full(dataset["position"].shape[:2], np.nan)
+        for name, line in self.beams.items():
+            response = LineResponse(dataset, name, line, 0.0)
+            if response.moment is not None:
+                out[:, response.nodes] = response.moment
+        return out
+
+    def _references(self, dataset: xr.Dataset, position: Array) -> dict[str, Array]:
+        """Return places of contacts and bodies, and these places without the displacement of their lines."""
+        place, xi = dataset["contact_position"].values, dataset["contact_xi"].values
+        moved, names = np.zeros(place.shape), dataset["line"].values
+        for k, contact in enumerate(dataset["load"].values.tolist()):
+            line = line_of(contact, self._loads)
+            own = np.flatnonzero(names == (line if line in self.lines else f"{line}.contact"))
+            there = np.flatnonzero(np.isfinite(xi[:, k]))
+            if own.size < 2 or not there.size:
+                continue
+            at = dataset["xi"].values[own]
+            i = np.clip(np.searchsorted(at, xi[there, k], side="right") - 1, 0, own.size - 2)
+            part = ((xi[there, k] - at[i]) / (at[i + 1] - at[i]))[:, None]
+            reference = (1.0 - part) * self.reference[own[i]] + part * self.reference[own[i + 1]]
+            moved[there, k] = place[there, k] - reference
+        bodies = dataset["body_position"].values
+        shift = np.zeros(bodies.shape)
+        for i in {i for i, _ in self._ties}:
+            own = [k for body, k in self._ties if body == i]
+            shift[:, i] = moved[:, own[len(own) // 2]]
+        return {
+            "contact_position": place, "contact_reference": place - moved,
+            "body_position": bodies, "body_reference": bodies - shift,
+        }  # fmt: skip
+
+    def _extend(self, dataset: xr.Dataset, position: Array) -> None:
+        """Note the extent of the positions (frame, node, axis) of some frames, and the displacements to be visible."""
+        names, axes = dataset["line"].values, position.shape[-1]
+        loads = (
+            []
+            if self.beams
+            else [dataset[name].values.reshape(-1, axes) for name in ("contact_position", "body_position")]
+        )
+        points = np.concatenate([np.stack([self._low, self._high]), position.reshape(-1, axes), *loads])
+        self._low, self._high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
+        for name in self.beams or self.lines:
+            own = np.flatnonzero(names == name)
+            reference = self.reference[own]
+            if not self.beams and not self.is_overhead and own.size > 1:  # the sag of ropes is seen without a factor
+                part = np.linspace(0.0, 1.0, own.size)[:, None]
+                reference = (1.0 - part) * reference[0] + part * reference[-1]
+            away = np.linalg.norm(position[:, own] - reference, axis=-1)
+            self._displaced = max(self._displaced, float(np.nanmax(away, initial=0.0)))
+
+    # -- Factors -----------------------------------------------------------------------------------------------------
+
+    @property
+    def extent(self) -> float:
+        """Width of the picture, m."""
+        wide = 2.0 * AROUND if self.is_overhead else np.inf
+        return min(float(np.max(self._high - self._low, initial=0.0)), wide) or 1.0
+
+    @property
+    def height_factor(self) -> float:
+        """How many times as large heights are drawn: 1, or a round number where the lines are flat but not straight."""
+        if self.is_spatial or not len(self.reference):
+            return 1.0
+        rise, is_curved = float(self._high[-1] - self._low[-1]), np.ptp(self.reference[:, -1]) > STRAIGHT * self.extent
+        return style.nice(HIGH * self.extent / rise) if is_curved and rise < FLAT * self.extent else 1.0
+
+    @property
+    def factor(self) -> float:
+        """How many times as large displacements are drawn: a round number, 1 where they are visible anyhow."""
+        seen = self._displaced * self.height_factor / self.extent
+        return 1.0 if seen >= VISIBLE or seen < _STILL else max(style.nice(DRAWN / seen), 1.0)
+
+    def range(self, quantity: Quantity) -> dict[str, Any] | None:
+        """Return the range of a quantity over the frames so far, in the unit that readers use.
+
+        Returns:
+            `low`, `high`, `unit`, and `size` of this unit in SI; None where there is nothing to see.
+        """
+        low, high = self.ranges.get(quantity.name, (0.0, 0.0))
+        if max(abs(low), abs(high)) <= _NOTHING:
+            return None
+        unit = DisplayUnits.read(None).of(quantity.unit, [low, high])
+        return {"low": low / unit.size, "high": high / unit.size, "unit": unit.symbol, "size": unit.size}
+
+    def state(self) -> dict[str, Any]:
+        """Return what grows with the frames, for messages: `factor`, `height_factor`, and `ranges` by quantity."""
+        quantities = {q.name: q for q in (*self.diagrams, *([self.colour] if self.colour else ()))}
+        ranges = {name: self.range(quantity) for name, quantity in quantities.items()}
+        return {"factor": self.factor, "height_factor": self.height_factor, "ranges": ranges}
+
+    def described(self) -> dict[str, Any]:
+        """Return what stays the same over all frames, for messages."""
+        return {
+            "colour": vars(self.colour) if self.colour else None, "diagrams": [vars(q) for q in self.diagrams],
+            "symbols": [symbol.described() for symbol in self.symbols], "is_spatial": self.is_spatial,
+            "around": AROUND if self.is_overhead else None,
+        }  # fmt: skip
+
+
+def _beams(scenario: Scenario | None, there: list[str]) -> Mapping[str, Line]:
+    """Return the lines with bending stiffness that no pretension holds, by name."""
+    if scenario is None:
+        return {}
+    return {
+        name: line
+        for name, line in scenario.lines.items()
+        if name in there and line.bending_stiffness and not line.tension
+        and (line.length is None or line.length >= line.distance * (1.0 - 1e-6))
+    }  # fmt: skip
+
+
+def _is_linear(scenario: Scenario | None) -> bool:
+    """Whether tensions stay as they are at first."""
+    run: Any = getattr(scenario, "run", None)
+    return run is not None and (run.kind == "linear" or getattr(run, "geometry", "") == "linearised")
