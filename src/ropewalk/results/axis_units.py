@@ -55,12 +55,17 @@ def show_units(figure: Figure, units: DisplayUnits) -> None:
     """Label vertical axes, colour bars and level axes of places, drawn in SI units, in the units to show."""
     for ax in figure.axes:
         if ax.name != "3d" and units.place.size != 1.0 and ax.get_xlabel().endswith("(m)"):
-            ax.xaxis.set_major_locator(_Marks(units.place.size))
-            ax.xaxis.set_major_formatter(_Numbers(units.place.size))
+            round_axis(ax.xaxis, units.place.size)
             ax.set_xlabel(f"{ax.get_xlabel()[:-3]}({units.place.symbol})", fontsize=style.LABEL, color=style.INK)
         low, high = ax.get_ylim()
         if ax.name != "3d" and ax.get_yscale() == "linear" and (displayed := unit_of(ax, units)) is not None:
             _label(ax, ax.yaxis, displayed, max(abs(low), abs(high)))
+
+
+def round_axis(axis: Axis, size: float) -> None:
+    """Mark an axis at round numbers of a unit, whose size is given in what is drawn."""
+    axis.set_major_locator(_Marks(size))
+    axis.set_major_formatter(_Numbers(size))
 
 
 def displayed_size(axis: Axis) -> float:
@@ -86,6 +91,5 @@ def _label(ax: Axes, axis: Axis, displayed: DisplayUnit, largest: float) -> None
     if not _PLACE.match(found["what"]) and not SMALL * size <= largest < LARGE * size and largest > 0.0:
         power = int(np.floor(np.log10(largest / size)))
         size, symbol = size * 10.0**power, f"10{str(power).translate(_RAISED)} {symbol}"
-    axis.set_major_locator(_Marks(size))
-    axis.set_major_formatter(_Numbers(size))
+    round_axis(axis, size)
     ax.set_ylabel(f"{found['what']}({symbol}){found['more']}", fontsize=style.LABEL, color=style.INK)
