@@ -1,6 +1,6 @@
 import type { ByHand } from "./byhand";
 import { type Connection, Latest } from "./connection";
-import type { Frame, Layout } from "./film";
+import type { Frame } from "./film";
 import { element } from "./player";
 import type { Scene, Stage, View } from "./stage";
 import { written } from "./units";
@@ -31,7 +31,7 @@ interface Pose {
 }
 
 interface Told {
-  shown: (scene: { layout: Layout; frame: Frame }, load: string) => void;
+  shown: (scene: Scene, load: string) => void;
   taken: (hand: ByHand) => boolean;
   failed: (why: string) => void;
   released: (pose: Pose) => void;
@@ -126,7 +126,8 @@ export class Drag {
     }
     const frame: Frame = {};
     for (const [name, { values }] of Object.entries(arrays)) frame[name] = values;
-    const scene: Scene = { layout: head.layout as Layout, frame, ghost: frame.ghost };
+    const { layout, picture, state } = head as unknown as Pick<Scene, "layout" | "picture" | "state">;
+    const scene: Scene = { layout, picture, state, frame, reference: frame.reference, ghost: frame.ghost };
     this.view ??= this.room(scene);
     this.fit(scene);
     this.stage.show(scene, this.view);
@@ -150,17 +151,13 @@ export class Drag {
     return {
       x: [x[0] - 0.04 * w, x[1] + 0.04 * w],
       z: [level - 0.24 * w, level + 0.07 * w],
-      tension: [0, 1],
       force: 1,
     };
   }
 
   private fit(scene: Scene): void {
-    const { tension, reaction, contact_force } = scene.frame;
+    const { reaction, contact_force } = scene.frame;
     const view = this.view as View;
-    const high = tension.reduce((a, b) => Math.max(a, b), Number.NEGATIVE_INFINITY);
-    const low = tension.reduce((a, b) => Math.min(a, b), Number.POSITIVE_INFINITY);
-    view.tension = high > low ? [low, high] : [low, low + 1];
     view.force = Math.max(...[...reaction, ...contact_force].map((f) => Math.abs(f)).filter(Number.isFinite), 1);
   }
 

@@ -1,4 +1,5 @@
-import type { Arrays, Message } from "./messages";
+import type { Message } from "./messages";
+import type { Picture, State } from "./picture";
 
 export interface Layout {
   axes: string[];
@@ -14,25 +15,10 @@ export interface Layout {
 /** The numbers of one instant, by their names. */
 export type Frame = Record<string, Float32Array>;
 
-/** What a structure is coloured by: tensions of links in N; of nets, the larger of both directions, in N/m. */
-export function tensionsOf(layout: Layout, frame: Frame): { values: Float32Array; unit: string } {
-  const { tension, cell_tension } = frame;
-  if (tension?.length || !cell_tension) return { values: tension ?? new Float32Array(0), unit: "N" };
-  const values = new Float32Array(layout.cells.length);
-  const each = cell_tension.length / values.length;
-  for (let k = 0; k < values.length; k++) {
-    values[k] = cell_tension[k * each];
-    for (let i = k * each + 1; i < (k + 1) * each; i++) values[k] = Math.max(values[k], cell_tension[i]);
-  }
-  return { values, unit: "N/m" };
-}
-
-/** The largest of these tensions, in N or N/m. */
-export function largestTension({ tension, cell_tension }: Frame): number {
-  let most = Number.NEGATIVE_INFINITY;
-  const values = tension?.length ? tension : (cell_tension ?? []);
-  for (let i = 0; i < values.length; i++) if (values[i] > most) most = values[i];
-  return most;
+/** The curves of the places that a file asks for, over the path. */
+export interface Curves {
+  path: number[];
+  groups: { quantity: string; unit: string; curves: Record<string, (number | null)[]> }[];
 }
 
 interface Track {
@@ -43,6 +29,10 @@ interface Track {
 /** Frames as they come. */
 export class Film {
   layout: Layout;
+  picture: Picture;
+  reference: Float32Array; // m, positions without displacement
+  state: State = { factor: 1, height_factor: 1, ranges: {} };
+  curves: Curves = { path: [], groups: [] }; // when it has ended
   energies: string[];
   total: number;
   count = 0;
@@ -51,17 +41,21 @@ export class Film {
   path: Float32Array<ArrayBuffer> = new Float32Array(64);
   private tracks = new Map<string, Track>();
   private known = new Map<string, number[]>(); // what has been found out of the frames that were there
-  private ranges = new Map<string, { low: number; high: number; seen: number }>();
+  private envelopes = new Map<string, { low: Float32Array; high: Float32Array; seen: number }>();
   private changed = 0;
 
-  constructor(head: Message["head"]) {
+  constructor({ head, arrays }: Message) {
     this.layout = head.layout as Layout;
+    this.picture = head.picture as Picture;
+    this.reference = arrays.reference.values;
     this.energies = (head.energies as string[]) ?? [];
     this.total = Math.ceil((head.total as number) / ((head.step as number) || 1));
   }
 
-  add(arrays: Arrays): void {
+  add({ head, arrays }: Message): void {
+    this.state = head.state as State;
     const { path, ...rest } = arrays;
+    if (!path) return; // frames of which none is shown
     const many = path.values.length;
     this.path = grown(this.path, this.count, many);
     this.path.set(path.values, this.count);
@@ -115,23 +109,50 @@ export class Film {
     return this.tracks.has(name);
   }
 
-  /** The smallest and the largest of some numbers over all frames; of positions by axis. */
-  range(name: string, axis = 0, axes = 1): [number, number] {
-    const track = this.tracks.get(name);
-    if (!track) return [0, 1];
-    const key = `${name} ${axis} ${axes}`;
-    let { low, high, seen } = this.ranges.get(key) ?? {
-      low: Number.POSITIVE_INFINITY,
-      high: Number.NEGATIVE_INFINITY,
-      seen: axis,
+  /** The smallest and the largest of each number of an array over all frames. */
+  envelope(name: string): { low: Float32Array; high: Float32Array } {
+    const track = this.tracks.get(name) ?? { each: 0, values: new Float32Array(0) };
+    const found = this.envelopes.get(name) ?? {
+      low: new Float32Array(track.each).fill(Number.POSITIVE_INFINITY),
+      high: new Float32Array(track.each).fill(Number.NEGATIVE_INFINITY),
+      seen: 0,
     };
-    for (; seen < this.count * track.each; seen += axes) {
-      const value = track.values[seen];
-      if (value < low) low = value;
-      if (value > high) high = value;
+    const { low, high } = found;
+    for (; found.seen < this.count; found.seen++)
+      for (let i = 0, at = found.seen * track.each; i < track.each; i++, at++) {
+        const value = track.values[at];
+        if (value < low[i]) low[i] = value;
+        if (value > high[i]) high[i] = value;
+      }
+    this.envelopes.set(name, found);
+    return found;
+  }
+
+  /** The largest size of the numbers of an array over all frames. */
+  most(name: string): number {
+    const { low, high } = this.envelope(name);
+    let most = 0;
+    low.forEach((value, i) => {
+      if (high[i] >= value) most = Math.max(most, Math.abs(value), Math.abs(high[i]));
+    });
+    return most;
+  }
+
+  /** The smallest and the largest coordinate along an axis of what is drawn, displacements being so much larger. */
+  box(axis: number, factor: number): [number, number] {
+    const axes = this.layout.axes.length;
+    let [least, most] = [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY];
+    const names = factor === 1 ? ["position", "contact_position", "body_position"] : ["position"];
+    for (const name of names) {
+      const { low, high } = this.envelope(name);
+      for (let i = axis; i < low.length; i += axes) {
+        if (!(high[i] >= low[i])) continue;
+        const at = name === "position" ? this.reference[i] : low[i];
+        least = Math.min(least, at + factor * (low[i] - at), at);
+        most = Math.max(most, at + factor * (high[i] - at), at);
+      }
     }
-    this.ranges.set(key, { low, high, seen });
-    return low <= high ? [low, high] : [0, 1];
+    return least <= most ? [least, most] : [0, 1];
   }
 }
 

@@ -6,10 +6,11 @@ import { type Doubt, listed } from "./doubts";
 import { Drag } from "./drag";
 import { Editor, type Problem } from "./editor";
 import { links, OF_RUNS } from "./exports";
-import { Film } from "./film";
+import { type Curves, Film } from "./film";
 import { Form } from "./form";
 import { Lesson, type Step } from "./lesson";
-import { element, numbersOf, Player } from "./player";
+import type { Message } from "./messages";
+import { type Described, element, folded, numbersOf, Player } from "./player";
 import { Plots } from "./plots";
 import type { Schema } from "./schema";
 import { Stage } from "./stage";
@@ -45,7 +46,7 @@ const canvas = element("canvas", {
 const plotted = element("div", { class: "plots" });
 const numbers = element("dl", { class: "numbers", "aria-live": "off" });
 const said = element("div");
-const summary = element("pre", { class: "summary" });
+const summary = element("div");
 const exports = element("div", { class: "row" });
 const compared = element("div");
 const compareModels = element(
@@ -135,7 +136,7 @@ const form = new Form(filled, {
   redo: () => editor.redo(),
 });
 const dragging = new Drag(server, stage, canvas, values, {
-  shown: (scene, load) => numbersShown(scene, load),
+  shown: (scene, load) => numbersShown(scene, scene.frame, load),
   failed: (why) => tell(why, true),
   taken: takeOver,
   released: (pose) => compute("release", { pose }),
@@ -163,8 +164,8 @@ function mark(): void {
   save.disabled = !changed || !file.name;
 }
 
-function numbersShown(scene: { layout: Film["layout"]; frame: Record<string, Float32Array> }, dragged = ""): void {
-  const rows = numbersOf(scene, scene.frame, dragged);
+function numbersShown(scene: Described, frame: Record<string, Float32Array>, dragged = ""): void {
+  const rows = numbersOf(scene, frame, dragged);
   numbers.replaceChildren(...rows.flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]));
 }
 
@@ -179,7 +180,7 @@ function takeOver(hand: ByHand): boolean {
   tell(`in the text now: ${saidByHand(hand).join("; ")}`);
   return true;
 }
-player.shown = (shown, frame) => numbersShown({ layout: shown.layout, frame });
+player.shown = numbersShown;
 
 // -- Files ------------------------------------------------------------------------------------------------------
 
@@ -348,7 +349,7 @@ async function compute(what: string, given: object, withBeside = beside): Promis
   run.disabled = true;
   doubts({});
   exports.replaceChildren();
-  summary.textContent = "";
+  summary.replaceChildren();
   compared.replaceChildren();
   tell("computing");
   player.isOver = false;
@@ -367,16 +368,16 @@ async function compute(what: string, given: object, withBeside = beside): Promis
   if (!head.error) list(head);
 }
 
-function heard(message: { head: Record<string, unknown>; arrays: Parameters<Film["add"]>[0] }, other?: Film): void {
-  const { head, arrays } = message;
+function heard(message: Message, other?: Film): void {
+  const { head } = message;
   if (head.event === "compiling")
     tell(`compiling, once for each kind of structure: ${head.how_long} on a quiet machine`);
   else if (head.event === "layout") {
-    film = new Film(head);
+    film = new Film(message);
     player.bar.hidden = false;
     player.load(film, other);
   } else if (film) {
-    film.add(arrays);
+    film.add(message);
     player.more();
     const told = head.run as { warnings: string[]; doubts: Doubt[] } | undefined;
     if (told) doubts(told);
@@ -417,10 +418,13 @@ function ended(head: Record<string, unknown>): void {
   tell(head.file ? `${outcome}; result in ${head.file}` : outcome, !["completed", "interrupted"].includes(outcome));
   doubts(head as { warnings: string[]; doubts: Doubt[] });
   if (head.advice) said.prepend(element("p", { class: "hint" }, String(head.advice)));
-  summary.textContent = String(head.summary);
+  summary.replaceChildren(...folded(String(head.summary)));
   if (film) {
     film.title = String(head.title);
     film.numbers = head.numbers as Film["numbers"];
+    film.curves = head.curves as Curves;
+    plots.clear();
+    player.more();
     const other = player.other;
     if (other) compared.replaceChildren(besides(film.numbers, other.numbers, film.title, other.title));
   }
@@ -489,7 +493,7 @@ async function begin(step: Step): Promise<void> {
   editor.text = clean;
   if (!tabs.form.hidden) form.show(clean);
   mark();
-  player.choose(step.pace ?? 1, step.larger ?? 1);
+  player.choose(step.pace ?? 1, step.larger ?? 0);
   if (step.do === "drag") return prepare(step.contact);
   dragging.leave();
   if (running) return;

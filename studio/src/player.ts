@@ -1,5 +1,6 @@
 import type { Doubt } from "./doubts";
-import { type Film, type Frame, type Layout, tensionsOf } from "./film";
+import type { Film, Frame, Layout } from "./film";
+import { type Picture, type State, said } from "./picture";
 import type { Plots } from "./plots";
 import type { Stage, View } from "./stage";
 import { written } from "./units";
@@ -55,7 +56,8 @@ export class Player {
     for (const value of [0.02, 0.1, 0.25, 0.5, 1, 2, 5])
       this.pace.append(element("option", { value: `${value}` }, `${value} × speed`));
     this.pace.value = "1";
-    for (const value of [1, 2, 5, 10, 50])
+    this.larger.append(element("option", { value: "0" }, "auto × displ."));
+    for (const value of [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000])
       this.larger.append(element("option", { value: `${value}` }, `${value} × displ.`));
     this.bar = element(
       "div",
@@ -76,12 +78,13 @@ export class Player {
     };
     this.larger.onchange = () => {
       stage.choices.exaggeration = Number(this.larger.value);
+      this.view = undefined;
       this.seen = -1;
       this.refresh();
     };
   }
 
-  /** Play so fast, and draw displacements so much larger; values that the lists have. */
+  /** Play so fast, and draw displacements so much larger; values that the lists have, 0: as the picture needs. */
   choose(speed: number, exaggeration: number): void {
     this.pace.value = `${speed}`;
     this.larger.value = `${exaggeration}`;
@@ -213,12 +216,12 @@ export class Player {
     const key = i + 1e7 * film.version;
     if (key !== this.seen) {
       this.seen = key;
-      this.view ??= viewOf(film, this.beside);
+      this.view ??= viewOf(film, this.stage.choices.exaggeration || film.state.factor, this.beside);
       const frame = film.frame(i);
-      const beside = this.beside?.count
-        ? { layout: this.beside.layout, frame: this.beside.frame(this.beside.at(this.now)) }
-        : undefined;
-      this.stage.show({ layout: film.layout, frame, beside, rest: film.frame(0), orbits: true }, this.view);
+      const { beside: other } = this;
+      const beside = other?.count ? { ...other, frame: other.frame(other.at(this.now)) } : undefined;
+      const { layout, picture, state, reference } = film;
+      this.stage.show({ layout, frame, picture, state, reference, film, beside, orbits: true }, this.view);
       this.shown(film, frame);
     }
     this.plots.update(film, this.beside);
@@ -226,25 +229,28 @@ export class Player {
   }
 }
 
-/** What is to be in view all the time. */
-export function viewOf(film: Film, beside?: Film): View {
-  const axes = film.layout.axes.length;
+/** What is to be in view all the time, displacements being so much larger. */
+export function viewOf(film: Film, factor: number, beside?: Film): View {
   const films = beside?.count ? [film, beside] : [film];
-  const range = (name: string, axis: number, of = axes): [number, number] => {
-    const all = films.map((f) => f.range(name, axis, of));
-    return [Math.min(...all.map((r) => r[0])), Math.max(...all.map((r) => r[1]))];
+  const box = (axis: number): [number, number] => {
+    const all = films.map((one) => one.box(axis, factor));
+    return [Math.min(...all.map(([low]) => low)), Math.max(...all.map(([, high]) => high))];
   };
-  const [x, z] = [range("position", 0), range("position", axes - 1)];
+  const [x, z] = [box(0), box(film.layout.axes.length - 1)];
+  const most = (name: string) => Math.max(...films.map((one) => one.most(name)));
   const w = x[1] - x[0];
-  const [a, b] = [z[0] - 0.05 * w, z[1] + 0.05 * w];
-  const most = (name: string) => Math.max(...films.map((f) => Math.max(...f.range(name).map(Math.abs))));
-  const force = film.layout.loads.length ? most("contact_force") : most("reaction");
   return {
     x: [x[0] - 0.02 * w, x[1] + 0.02 * w],
-    z: [a, b],
-    tension: range(film.has("tension") ? "tension" : "cell_tension", 0, 1),
-    force,
+    z,
+    force: film.layout.loads.length ? most("contact_force") : most("reaction"),
   };
+}
+
+/** What numbers are read of. */
+export interface Described {
+  layout: Layout;
+  picture: Picture;
+  state: State;
 }
 
 /** The height of a load by the linear theory, m: of the point of its string that is under the load. */
@@ -255,16 +261,21 @@ function heightInTheory(ghost: Float32Array, axes: number, x: number): number {
 }
 
 /** The numbers of a frame that one asks for first, as rows, to four digits; `dragged`: the load beside a linear theory. */
-export function numbersOf(film: { layout: Layout }, frame: Frame, dragged = ""): [string, string][] {
+export function numbersOf(film: Described, frame: Frame, dragged = ""): [string, string][] {
   const axes = film.layout.axes.length;
-  const { unit } = tensionsOf(film.layout, frame);
-  const values = (unit === "N" ? frame.tension : frame.cell_tension) ?? new Float32Array(0); // of nets, both directions
-  const high = values.reduce((a, b) => Math.max(a, b), Number.NEGATIVE_INFINITY);
-  const low = values.reduce((a, b) => Math.min(a, b), Number.POSITIVE_INFINITY);
-  const rows: [string, string][] = [
-    ["largest tension", written(high, unit, 4)],
-    ["smallest tension", written(low, unit, 4)],
-  ];
+  const rows: [string, string][] = [];
+  const quantities = [film.picture.colour, ...film.picture.diagrams];
+  for (const quantity of new Map(quantities.map((one) => [one?.name, one])).values()) {
+    const shown = quantity && film.state.ranges[quantity.name];
+    if (!shown) continue;
+    let [low, high] = [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY];
+    for (const value of frame[quantity.name] ?? []) {
+      if (value < low) low = value;
+      if (value > high) high = value;
+    }
+    rows.push([`largest ${quantity.label}`, said(high / shown.size, shown, 4)]);
+    rows.push([`smallest ${quantity.label}`, said(low / shown.size, shown, 4)]);
+  }
   film.layout.loads.slice(0, 4).forEach((name, k) => {
     const behind = frame.contact_tension?.[2 * k];
     const ahead = frame.contact_tension?.[2 * k + 1];
@@ -279,4 +290,18 @@ export function numbersOf(film: { layout: Layout }, frame: Frame, dragged = ""):
     if (frame.contact_friction) rows.push([`${name}: friction needed`, written(frame.contact_friction[k], "", 4)]);
   });
   return rows;
+}
+
+/** A summary: its first ten lines, the others folded. */
+export function folded(text: string): HTMLElement[] {
+  const lines = text.split("\n");
+  const block = (some: string[]) => element("pre", { class: "summary" }, some.join("\n"));
+  if (lines.length <= 12) return [block(lines)];
+  const rest = element(
+    "details",
+    {},
+    element("summary", {}, `${lines.length - 10} more lines`),
+    block(lines.slice(10)),
+  );
+  return [block(lines.slice(0, 10)), rest];
 }

@@ -1,8 +1,9 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
-import { type Film, largestTension } from "./film";
+import type { Film } from "./film";
 
 const KEY = "ropewalk";
+const LABELLED = 12; // most loads whose forces are shown
 
 interface Curve {
   name: string;
@@ -27,7 +28,7 @@ export class Plots {
   private size(): { width: number; height: number } {
     const count = Math.max(this.plots.length, 3);
     return {
-      width: Math.max(160, Math.floor(this.place.clientWidth / count) - 8),
+      width: Math.max(210, Math.floor(this.place.clientWidth / count) - 8),
       height: Math.max(80, this.place.clientHeight - 30),
     };
   }
@@ -136,6 +137,7 @@ function curves(film: Film, colour: (name: string) => string, prefix: string): {
   const axes = film.layout.axes.length;
   const many = Math.min(film.layout.loads.length, 6);
   const tints = [colour("--load"), colour("--hold"), "#009e73", "#e69f00", "#cc79a7", "#56b4e9"];
+  const scale = film.picture.around === null ? -1e-3 : 1; // kN downwards, or N upwards under an overhead line
   const contact: Curve[] = [];
   const path: Curve[] = [];
   for (let k = 0; k < many; k++) {
@@ -143,31 +145,35 @@ function curves(film: Film, colour: (name: string) => string, prefix: string): {
     contact.push({
       name,
       colour: tints[k],
-      values: film.series(`force ${k}`, (f) => -f.contact_force[k * axes + axes - 1] / 1000),
+      values: film.series(`force ${k}`, (f) => scale * f.contact_force[k * axes + axes - 1]),
     });
     const place = film.series(`place ${k}`, (f) => f.contact_position[k * axes + axes - 1]);
     path.push({ name, colour: tints[k], values: place });
   }
-  const unit = film.has("tension") ? "kN" : "kN/m";
-  const most = film.series("tension", (f) => largestTension(f) / 1000);
-  const found = [
-    {
-      title: `largest tension (${unit})`,
-      curves: [{ name: `${prefix}tension`, colour: colour("--accent"), values: most }],
-    },
-  ];
-  if (many) {
-    found.push(
-      { title: "contact force, downwards (kN)", curves: contact },
-      { title: "path of the load, z (m)", curves: path },
-    );
+  const found: { title: string; curves: Curve[] }[] = [];
+  for (const { quantity, unit, curves } of film.curves.groups) {
+    const own = Object.entries(curves).map(([name, values], k) => {
+      return { name: prefix + name, colour: tints[k % tints.length], values: shownOf(film, values) };
+    });
+    const symbol = unit.replace("*", " ").replace("^2", "²");
+    found.push({ title: `${quantity} (${symbol}): ${Object.keys(curves).join(", ")}`, curves: own });
   }
+  const { colour: quantity, diagrams } = film.picture;
+  const shown = quantity && film.state.ranges[quantity.name];
+  if (quantity && shown && !found.some(({ title }) => title.startsWith(quantity.label))) {
+    const most = film.series(quantity.name, (f) => largest(f[quantity.name])).map((value) => value / shown.size);
+    const title = `largest ${quantity.label} (${shown.unit})`;
+    found.push({ title, curves: [{ name: prefix + quantity.label, colour: colour("--accent"), values: most }] });
+  }
+  const title = scale > 0 ? "contact force, upwards (N)" : "contact force, downwards (kN)";
+  if (many && film.layout.loads.length <= LABELLED) found.push({ title, curves: contact });
+  if (many && !diagrams.length) found.push({ title: "path of the load, z (m)", curves: path });
   const i = film.energies.indexOf("imbalance");
   const j = film.energies.indexOf("kinetic");
   if (film.has("energy") && film.layout.path === "time") {
     const [kinetic, imbalance] = [j, i].map((at) => film.series(`energy ${at}`, (f) => f.energy[at]));
     found.push({
-      title: "energy (J): kinetic of lines, imbalance",
+      title: "energy (J): kinetic, residual",
       curves: [
         { name: `${prefix}kinetic`, colour: colour("--accent"), values: kinetic },
         { name: `${prefix}imbalance`, colour: colour("--load"), values: imbalance },
@@ -175,4 +181,19 @@ function curves(film: Film, colour: (name: string) => string, prefix: string): {
     });
   }
   return found;
+}
+
+function largest(values: Float32Array): number {
+  let most = Number.NEGATIVE_INFINITY;
+  for (const value of values) if (value > most) most = value;
+  return most;
+}
+
+/** The values of a curve over all frames of a result at those that are shown. */
+function shownOf({ path, count, curves }: Film, values: (number | null)[]): number[] {
+  let k = 0;
+  return Array.from(path.subarray(0, count), (at) => {
+    while (k < curves.path.length - 1 && curves.path[k] < at - 1e-6 * (1 + at)) k++;
+    return values[k] ?? Number.NaN;
+  });
 }

@@ -19,8 +19,9 @@ import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 import { stepOf, steps } from "./colours";
-import { type Frame, type Layout, tensionsOf } from "./film";
+import type { Frame, Layout } from "./film";
 import { boxOf, turned, VIEWS } from "./orbit";
+import { type Quantity, type Shown, valuesAlong } from "./picture";
 import { element } from "./player";
 import "./space.css";
 import { ticks, written } from "./units";
@@ -30,7 +31,8 @@ export interface Drawn {
   layout: Layout;
   position: Float32Array;
   frame: Frame;
-  tension: [number, number];
+  colour: Quantity | null;
+  shown: Shown | null; // range of the colours
   floor: number; // m, how high it lies
   beside?: { layout: Layout; position: Float32Array };
 }
@@ -218,7 +220,7 @@ class Ropes {
   private places = new Float32Array(0);
   private tints = new Float32Array(0);
 
-  set({ layout, position, frame, tension }: Drawn, colour: Colour): void {
+  set({ layout, position, frame, colour: quantity, shown }: Drawn, colour: Colour): void {
     const runs = layout.nodes.filter(([name, , count]) =>
       layout.links.find(([l, , n]) => l === name && n === count - 1),
     );
@@ -231,10 +233,11 @@ class Ropes {
     const faint = new Color(colour("--beside")).toArray();
     let at = 0;
     for (const [name, first, count] of runs) {
-      const link = layout.links.find(([l]) => l === name)?.[1] ?? 0;
+      const value = valuesAlong(shown ? quantity : null, frame, layout, name);
       for (let i = 0; i < count - 1; i++, at += 6) {
         this.places.set(position.subarray(3 * (first + i), 3 * (first + i) + 6), at);
-        const tint = frame.tension ? table[stepOf(frame.tension[link + i], ...tension)] : faint;
+        const now = shown ? value(i) / shown.size : Number.NaN;
+        const tint = shown && Number.isFinite(now) ? table[stepOf(now, shown.low, shown.high)] : faint;
         this.tints.set(tint, at);
         this.tints.set(tint, at + 3);
       }
@@ -271,7 +274,7 @@ class Net {
     this.surface.frustumCulled = this.threads.frustumCulled = false;
   }
 
-  set({ layout, position, frame, tension }: Drawn, colour: Colour): void {
+  set({ layout, position, frame, colour: quantity, shown }: Drawn, colour: Colour): void {
     const { cells } = layout;
     this.surface.visible = this.threads.visible = cells.length > 0;
     if (!cells.length) return;
@@ -283,16 +286,16 @@ class Net {
       this.threads.geometry.setAttribute("position", new BufferAttribute(new Float32Array(position.length), 3));
       this.threads.geometry.setIndex(cells.flatMap(([a, b, c]) => [a, b, b, c, c, a]));
     }
-    this.threads.material.color.set(colour(frame.cell_tension ? "--faint" : "--beside"));
+    this.threads.material.color.set(colour(frame.position ? "--faint" : "--beside"));
     this.threads.geometry.attributes.position.array.set(position);
     this.threads.geometry.attributes.position.needsUpdate = true;
-    const { values, unit } = tensionsOf(layout, frame);
-    this.surface.visible = unit === "N/m"; // beside lines, whose tensions the colours tell, only its threads
-    if (!this.surface.visible) return;
+    const values = quantity?.of === "cell" ? frame[quantity.name] : undefined;
+    this.surface.visible = values !== undefined; // next to lines with colours only its threads
+    if (!values || !shown) return;
     const table = rgb(steps(colour("--dark") === "1"));
     const { position: places, color: tints } = this.surface.geometry.attributes;
     cells.forEach((cell, k) => {
-      const tint = table[stepOf(values[k], ...tension)];
+      const tint = table[stepOf(values[k] / shown.size, shown.low, shown.high)];
       cell.forEach((node, corner) => {
         places.array.set(position.subarray(3 * node, 3 * node + 3), 9 * k + 3 * corner);
         tints.array.set(tint, 9 * k + 3 * corner);

@@ -1,45 +1,55 @@
-import { beneath } from "./beneath";
 import { stepOf, steps } from "./colours";
-import { type Frame, type Layout, tensionsOf } from "./film";
+import { diagram } from "./diagrams";
+import type { Film, Frame, Layout } from "./film";
+import { type Picture, type Shown, type State, said, valuesAlong } from "./picture";
 import type { Space } from "./space";
+import { BEHIND, type Pen, type Spot, type Surface, symbol, triangle } from "./symbols";
 import { ticks, written } from "./units";
 
-export interface Scene {
+interface Drawn {
   layout: Layout;
   frame: Frame;
+  picture: Picture;
+  reference: Float32Array; // m, positions without displacement
+}
+
+export interface Scene extends Drawn {
+  state: State;
   ghost?: Float32Array;
-  beside?: { layout: Layout; frame: Frame }; // another run, drawn faintly
+  beside?: Drawn; // another run, drawn faintly
   orbits?: boolean; // in space, by a camera that goes around it
-  rest?: Frame; // what displacements are measured from where they are exaggerated
+  film?: Film; // of the frame, whose largest values diagrams show
 }
 
 type Range = [number, number];
 export interface View {
   x: Range;
   z: Range;
-  tension: Range;
   force: number; // N, the longest arrow
 }
 
 export interface Choices {
-  exaggeration: number;
+  exaggeration: number; // 0: as the description has it
   arrows: boolean;
-  turn: number; // rad, of the camera about the vertical, in space
 }
 
-const MARGIN = { left: 96, right: 96, top: 60, bottom: 40 };
+const MARGIN = { left: 80, right: 80, top: 64, bottom: 40 };
+const EDGE = { left: 48, right: 24 }; // of axes and diagrams
+const ROW = [64, 118]; // pixels, least and most height of a diagram
+const LABELLED = 12; // most forces that are drawn
 
-/** Draws a structure with its loads on a canvas. */
+/** Draws a structure with its loads on a canvas, as the description of its frame has it. */
 export class Stage {
   /** What is written where nothing is shown. */
   hint = "";
   /** Keys of the scenario that doubts name: their loads and lines are marked. */
   doubted: string[] = [];
-  choices: Choices = { exaggeration: 1, arrows: true, turn: 0.5 };
+  choices: Choices = { exaggeration: 0, arrows: true };
   private scene?: Scene;
-  private view: View = { x: [0, 1], z: [-1, 1], tension: [0, 1], force: 1 };
+  private view: View = { x: [0, 1], z: [-1, 1], force: 1 };
   private scale: [number, number, number, number] = [1, 0, 1, 0];
   private due = false;
+  private pen!: Pen;
 
   private closing = new AbortController();
   private space?: Space | null; // null: it is on its way, or there is none
@@ -69,7 +79,7 @@ export class Stage {
     return this.scene?.orbits === true && this.scene.layout.axes.length === 3;
   }
 
-  /** Fetch what draws in space; where the browser cannot, the oblique picture stays. */
+  /** Fetch what draws in space; where the browser cannot, the elevation stays. */
   private async open(): Promise<void> {
     this.space = null;
     if (!SPACE || !document.createElement("canvas").getContext("webgl2")) return;
@@ -92,76 +102,80 @@ export class Stage {
     });
   }
 
+  // -- Places -----------------------------------------------------------------------------------------------------
+
   /** Where a place on the canvas is, in m. */
   place(px: number, py: number): [number, number] {
     const [sx, ox, sz, oz] = this.scale;
     return [(px - ox) / sx, (py - oz) / sz];
   }
 
-  /** Where a node is drawn. */
-  private at(position: Float32Array, i: number, rest?: Float32Array): [number, number] {
+  /** How many times as large displacements are drawn. */
+  get factor(): number {
+    return this.choices.exaggeration || this.scene?.state.factor || 1;
+  }
+
+  /** Where a point is in the picture, in pixels. */
+  private point = (at: ArrayLike<number>): Spot => {
+    if (this.camera) return this.camera.pixel([at[0], at[1], at[2]], this.canvas.clientWidth, this.canvas.clientHeight);
     const [sx, ox, sz, oz] = this.scale;
+    return [ox + sx * at[0], oz + sz * at[at.length - 1]];
+  };
+
+  /** Where point `i` of some positions is drawn, displaced from a reference. */
+  private at(position: Float32Array | undefined, i: number, reference?: Float32Array): Spot {
     const axes = this.scene?.layout.axes.length ?? 2;
-    if (this.camera) {
-      const k = rest ? this.choices.exaggeration : 1;
-      const [x, y, w] = [0, 1, 2].map((a) => {
-        const p = position[3 * i + a];
-        return rest && k !== 1 ? rest[3 * i + a] + k * (p - rest[3 * i + a]) : p;
-      });
-      return this.camera.pixel([x, y, w], this.canvas.clientWidth, this.canvas.clientHeight);
-    }
-    const [x, z] = this.flat(position, i * axes, axes, rest);
-    return [ox + sx * x, oz + sz * z];
+    if (!position || i < 0) return [Number.NaN, Number.NaN];
+    const at = position.subarray(axes * i, axes * (i + 1));
+    if (!reference || this.factor === 1) return this.point(at);
+    return this.point(at.map((value, a) => reference[axes * i + a] + this.factor * (value - reference[axes * i + a])));
   }
 
-  /** What loads and bodies of a frame are exaggerated from; nothing while nothing is. */
-  private restOf(frame: Frame, places: Float32Array): Float32Array | undefined {
-    const scene = this.scene;
-    if (!scene?.rest || this.choices.exaggeration === 1) return undefined;
-    return beneath(scene.layout, frame, scene.rest.position, places);
+  /** What symbols of a frame are drawn on. */
+  private surface({ frame, reference, layout }: Drawn, pen: Pen): Surface {
+    const isOff = (k: number) => frame.wheel_position && Number.isNaN(frame.contact_position[k * layout.axes.length]);
+    const contact = (k: number) => this.at(frame.contact_position, k, frame.contact_reference);
+    return {
+      ...pen,
+      contact,
+      wheel: (k) => (isOff(k) ? this.at(frame.wheel_position, k) : contact(k)),
+      body: (i) => this.at(frame.body_position, i, frame.body_reference),
+      node: (i) => this.at(frame.position, i, reference),
+      point: this.point,
+      metre: this.camera ? 12 : this.scale[0],
+    };
   }
 
-  private flat(p: Float32Array, at: number, axes: number, rest?: Float32Array): [number, number] {
-    const k = this.choices.exaggeration;
-    const shown = (a: number) => (rest && k !== 1 ? rest[at + a] + k * (p[at + a] - rest[at + a]) : p[at + a]);
-    if (axes === 2) return [shown(0), shown(1)];
-    const { turn } = this.choices;
-    const y = shown(1);
-    return [
-      shown(0) * Math.cos(turn) + y * Math.sin(turn),
-      shown(2) + 0.4 * (y * Math.cos(turn) - shown(0) * Math.sin(turn)),
-    ];
+  /** Heights of the diagrams below the lines, in pixels. */
+  private rows(height: number): number[] {
+    const shown = this.scene?.picture.diagrams.filter(({ name }) => this.scene?.state.ranges[name]) ?? [];
+    return shown.map(() => Math.min(Math.max((0.5 * height) / shown.length, ROW[0]), ROW[1]));
   }
 
   private fit(width: number, height: number): void {
-    const scene = this.scene;
-    let [x, z] = [this.view.x, this.view.z];
-    if (scene && scene.layout.axes.length === 3) [x, z] = this.box(scene);
-    const w = Math.max(x[1] - x[0], 1e-9);
-    const h = Math.max(z[1] - z[0], 1e-9);
-    const s = Math.min((width - MARGIN.left - MARGIN.right) / w, (height - MARGIN.top - MARGIN.bottom) / h);
-    const middle = (MARGIN.top + height - MARGIN.bottom) / 2;
-    const ox = MARGIN.left + (width - MARGIN.left - MARGIN.right - s * w) / 2 - s * x[0];
-    this.scale = [s, ox, -s, middle + (s * (z[0] + z[1])) / 2];
+    const { x, z } = this.view;
+    const tall = this.scene?.state.height_factor ?? 1;
+    const [low, high] = this.window(x);
+    const wide = width - MARGIN.left - MARGIN.right;
+    const free = Math.max(height - MARGIN.top - MARGIN.bottom - sum(this.rows(height)), 20);
+    const s = Math.min(wide / Math.max(high - low, 1e-9), free / Math.max(z[1] - z[0], 1e-9) / tall);
+    const ox = MARGIN.left + (wide - s * (high - low)) / 2 - s * low;
+    this.scale = [s, ox, -s * tall, MARGIN.top + free / 2 + (s * tall * (z[0] + z[1])) / 2];
   }
 
-  private box(scene: Scene): [Range, Range] {
-    const x: Range = [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY];
-    const z: Range = [...x];
-    const p = (scene.rest ?? scene.frame).position;
-    for (let i = 0; i < p.length; i += 3) {
-      const [a, b] = this.flat(p, i, 3);
-      x[0] = Math.min(x[0], a);
-      x[1] = Math.max(x[1], a);
-      z[0] = Math.min(z[0], b);
-      z[1] = Math.max(z[1], b);
-    }
-    const free = 0.08 * Math.max(x[1] - x[0], z[1] - z[0]);
-    return [
-      [x[0] - free, x[1] + free],
-      [z[0] - free, z[1] + free],
-    ];
+  /** What of the lines is seen: all, or what is around the contacts. */
+  private window([low, high]: Range): Range {
+    const { picture, frame, layout } = this.scene ?? {};
+    if (!picture?.around || !frame || !layout) return [low, high];
+    const all = Array.from(frame.contact_position ?? []);
+    const there = all.filter((x, i) => i % layout.axes.length === 0 && Number.isFinite(x));
+    const [first, last] = there.length ? [Math.min(...there), Math.max(...there)] : [low, low];
+    const wide = Math.min(last - first + 2 * picture.around, high - low);
+    const left = Math.min(Math.max((first + last - wide) / 2, low), high - wide);
+    return [left, left + wide];
   }
+
+  // -- Drawing ----------------------------------------------------------------------------------------------------
 
   private paint(): void {
     const { canvas, scene } = this;
@@ -175,6 +189,7 @@ export class Stage {
     ink.clearRect(0, 0, width, height);
     const style = getComputedStyle(canvas);
     const colour = (name: string) => style.getPropertyValue(name).trim();
+    this.pen = { ink, colour };
     ink.font = `12px ${style.fontFamily}`;
     ink.lineJoin = ink.lineCap = "round";
     this.fit(width, height);
@@ -186,48 +201,77 @@ export class Stage {
       ink.textAlign = "left";
       return;
     }
-    if (this.camera) this.inSpace(this.camera, ink, scene, colour);
-    else this.axes(ink, width, height, colour);
-    if (scene.ghost?.length)
-      this.line(ink, scene.ghost, 0, scene.ghost.length / scene.layout.axes.length, colour("--ghost"), [7, 5]);
-    if (scene.beside) {
-      for (const [, first, count] of this.camera ? [] : scene.beside.layout.nodes)
-        this.line(ink, scene.beside.frame.position, first, count, colour("--beside"), [], 2);
-      this.marks(ink, scene.beside.frame, colour("--beside"));
+    if (this.camera) this.inSpace(this.camera, scene, width, height);
+    else this.axes(scene, width, height);
+    ink.save();
+    if (scene.picture.around && !this.camera) {
+      ink.beginPath();
+      ink.rect(EDGE.left, 0, width - EDGE.left - EDGE.right, height);
+      ink.clip();
     }
-    if (!this.camera) this.links(ink, scene, colour);
-    this.supports(ink, scene, colour);
-    this.marks(ink, scene.frame, colour("--load"));
-    if (this.choices.arrows) this.forces(ink, scene, colour);
-    this.alerts(ink, scene, colour);
-    this.key(ink, width, colour);
+    const { ghost, layout, beside } = scene;
+    if (ghost?.length) this.line(ghost, 0, ghost.length / layout.axes.length, colour("--ghost"), [7, 5]);
+    if (beside) {
+      for (const [, first, count] of this.camera ? [] : beside.layout.nodes)
+        this.line(beside.frame.position, first, count, colour("--beside"), [], 2, beside.reference);
+      this.symbols(beside, { ink, colour: () => colour("--beside") });
+    }
+    this.symbols(scene, this.pen, true);
+    this.symbols(scene, this.pen);
+    if (!this.camera) this.links(scene);
+    for (const [, node] of this.supportNodes())
+      triangle(this.pen, this.at(scene.frame.position, node, scene.reference));
+    if (this.choices.arrows) this.forces(scene);
+    this.alerts(scene);
+    ink.restore();
+    this.diagrams(scene, width, height);
+    this.key(scene, width);
   }
 
-  private inSpace(camera: Space, ink: CanvasRenderingContext2D, scene: Scene, colour: (name: string) => string): void {
-    const { clientWidth: width, clientHeight: height } = this.canvas;
-    const k = this.choices.exaggeration;
-    const rest = scene.rest?.position;
-    const larger = (p: Float32Array) => (rest && k !== 1 ? p.map((value, i) => rest[i] + k * (value - rest[i])) : p);
-    const { layout, frame, beside } = scene;
-    camera.draw(
-      {
-        layout,
-        frame,
-        position: larger(frame.position),
-        tension: this.view.tension,
-        floor: this.view.z[0],
-        beside: beside && { layout: beside.layout, position: beside.frame.position },
-      },
-      width,
-      height,
-      colour,
-    );
+  private symbols(drawn: Drawn, pen: Pen, behind = false): void {
+    const surface = this.surface(drawn, pen);
+    for (const mark of drawn.picture.symbols) if (BEHIND.includes(mark.kind) === behind) symbol(surface, mark);
+  }
+
+  private diagrams({ picture, state, reference, layout, film, frame }: Scene, width: number, height: number): void {
+    const [left, right] = [EDGE.left, width - EDGE.right];
+    const along = (node: number) => {
+      const own = layout.nodes.find(([, first, count]) => node >= first && node < first + count) ?? ["", 0, 1];
+      return left + ((node - own[1]) / Math.max(own[2] - 1, 1)) * (right - left);
+    };
+    const across = this.camera ? along : (node: number) => this.point(reference.subarray(2 * node, 2 * node + 2))[0];
+    const rows = this.rows(height);
+    let top = height - MARGIN.bottom + 10 - sum(rows);
+    for (const quantity of picture.diagrams) {
+      const shown = state.ranges[quantity.name];
+      if (!shown) continue;
+      const place = { left, right, top, height: rows[0] };
+      diagram(this.pen, place, quantity, shown, { layout, frame, envelope: film?.envelope(quantity.name), across });
+      top += rows[0];
+    }
+  }
+
+  private inSpace(camera: Space, scene: Scene, width: number, height: number): void {
+    const { ink, colour } = this.pen;
+    const { layout, frame, beside, picture, state } = scene;
+    const larger = ({ frame: { position }, reference }: Drawn) =>
+      this.factor === 1 ? position : position.map((value, i) => reference[i] + this.factor * (value - reference[i]));
+    const drawn = {
+      layout,
+      frame,
+      position: larger(scene),
+      colour: picture.colour,
+      shown: picture.colour && state.ranges[picture.colour.name],
+      floor: this.view.z[0],
+      beside: beside && { layout: beside.layout, position: larger(beside) },
+    };
+    camera.draw(drawn, width, height, colour);
     const { ways, floor } = camera.axes();
     const [x, y] = [52, height - 46];
     for (const [name, right, up] of ways) {
       const size = Math.hypot(right, up);
       if (size < 0.1) continue;
-      this.arrow(ink, [x, y], [right / size, -up / size], 32 * size, colour("--faint"));
+      this.arrow([x, y], [right / size, -up / size], 32 * size, colour("--faint"));
       ink.textAlign = "center";
       ink.fillText(name, x + 42 * right, y - 42 * up + 4);
     }
@@ -235,20 +279,16 @@ export class Stage {
     ink.fillText(floor, 110, height - 16);
   }
 
-  private alerts(
-    ink: CanvasRenderingContext2D,
-    { layout, frame, rest }: Scene,
-    colour: (name: string) => string,
-  ): void {
+  private alerts({ layout, frame, reference }: Scene): void {
+    const { ink, colour } = this.pen;
     const isNamed = (kind: string, name: string) =>
       this.doubted.some((key) => `${key}.`.startsWith(`${kind}.${name}.`) || `${kind}.${name}.`.startsWith(`${key}.`));
-    const places: [number, number][] = [];
-    const loadsAtRest = this.restOf(frame, frame.contact_position);
+    const places: Spot[] = [];
     layout.loads.forEach((name, k) => {
-      if (isNamed("loads", name)) places.push(this.at(frame.contact_position, k, loadsAtRest));
+      if (isNamed("loads", name)) places.push(this.at(frame.contact_position, k, frame.contact_reference));
     });
     for (const [name, first, count] of layout.nodes)
-      if (isNamed("lines", name)) places.push(this.at(frame.position, first + (count >> 1), rest?.position));
+      if (isNamed("lines", name)) places.push(this.at(frame.position, first + (count >> 1), reference));
     ink.textAlign = "center";
     for (const [x, z] of places) {
       if (Number.isNaN(x)) continue;
@@ -263,16 +303,17 @@ export class Stage {
   }
 
   private line(
-    ink: CanvasRenderingContext2D,
     p: Float32Array,
     first: number,
     count: number,
     stroke: string,
     dash: number[],
     wide = 1.5,
+    reference?: Float32Array,
   ): void {
+    const { ink } = this.pen;
     ink.beginPath();
-    for (let i = first; i < first + count; i++) ink.lineTo(...this.at(p, i));
+    for (let i = first; i < first + count; i++) ink.lineTo(...this.at(p, i, reference));
     ink.strokeStyle = stroke;
     ink.lineWidth = wide;
     ink.setLineDash(dash);
@@ -280,36 +321,35 @@ export class Stage {
     ink.setLineDash([]);
   }
 
-  private links(ink: CanvasRenderingContext2D, scene: Scene, colour: (name: string) => string): void {
-    const { layout, frame } = scene;
-    const rest = scene.rest?.position;
+  private links({ layout, frame, reference, picture, state }: Scene): void {
+    const { ink, colour } = this.pen;
     const names = steps(colour("--dark") === "1");
-    const [low, high] = this.view.tension;
+    const shown = picture.colour && state.ranges[picture.colour.name];
     if (layout.cells.length) {
       ink.strokeStyle = colour("--faint");
       ink.lineWidth = 0.5;
       ink.beginPath();
       for (const [a, b, c] of layout.cells) {
-        ink.moveTo(...this.at(frame.position, a, rest));
-        for (const i of [b, c, a]) ink.lineTo(...this.at(frame.position, i, rest));
+        ink.moveTo(...this.at(frame.position, a, reference));
+        for (const i of [b, c, a]) ink.lineTo(...this.at(frame.position, i, reference));
       }
       ink.stroke();
     }
     ink.lineWidth = 3.5;
     for (const [name, first, count] of layout.nodes) {
-      const link = layout.links.find(([line]) => line === name);
-      if (!link || link[2] !== count - 1) continue;
-      let step = -1;
+      if (layout.links.find(([line]) => line === name)?.[2] !== count - 1) continue;
+      const value = valuesAlong(shown ? picture.colour : null, frame, layout, name);
+      let last = "";
       for (let i = 0; i < count - 1; i++) {
-        const now = stepOf(frame.tension[link[1] + i], low, high);
-        if (now !== step) {
-          if (step >= 0) ink.stroke();
+        const now = shown ? value(i) / shown.size : Number.NaN;
+        const tint = shown && Number.isFinite(now) ? names[stepOf(now, shown.low, shown.high)] : colour("--faint");
+        if (tint !== last) {
+          if (last) ink.stroke();
           ink.beginPath();
-          ink.moveTo(...this.at(frame.position, first + i, rest));
-          ink.strokeStyle = names[now];
-          step = now;
+          ink.moveTo(...this.at(frame.position, first + i, reference));
+          ink.strokeStyle = last = tint;
         }
-        ink.lineTo(...this.at(frame.position, first + i + 1, rest));
+        ink.lineTo(...this.at(frame.position, first + i + 1, reference));
       }
       ink.stroke();
     }
@@ -327,104 +367,71 @@ export class Stage {
     });
   }
 
-  pixel(node: number): [number, number] {
-    return this.scene ? this.at(this.scene.frame.position, node) : [0, 0];
+  pixel(node: number): Spot {
+    return this.scene ? this.at(this.scene.frame.position, node, this.scene.reference) : [0, 0];
   }
 
-  private supports(ink: CanvasRenderingContext2D, scene: Scene, colour: (name: string) => string): void {
-    for (const [, node] of this.supportNodes()) {
-      const [x, z] = this.at(scene.frame.position, node, scene.rest?.position);
+  /** Forces on lines: of each load as a whole, and of supports, those at one place together. */
+  private forces({ frame, layout, reference, picture }: Scene): void {
+    const { colour } = this.pen;
+    const axes = layout.axes.length;
+    const sumOf = (values: Float32Array | undefined, which: number[]) =>
+      Array.from({ length: axes }, (_, a) => sum(which.map((k) => values?.[k * axes + a] || 0)));
+    for (const { contacts = [] } of layout.loads.length > LABELLED ? [] : picture.symbols) {
+      const spots = contacts.map((k) => this.at(frame.contact_position, k, frame.contact_reference));
+      const there = spots.filter(([x]) => Number.isFinite(x));
+      const at = [0, 1].map((a) => sum(there.map((spot) => spot[a])) / there.length) as Spot;
+      const [force, hold] = [sumOf(frame.contact_force, contacts), sumOf(frame.hold_force, contacts)];
+      const own = force.map((f, a) => f - hold[a]);
+      this.force(at, own, "", colour("--load"));
+      this.force(at, hold, "hold ", colour("--hold"));
+    }
+    if (layout.supports.length > LABELLED) return;
+    const grouped = new Map<string, { at: Spot; which: number[] }>();
+    for (const [, node, k] of this.supportNodes()) {
+      const at = this.at(frame.position, node, reference);
+      const group = grouped.get(at.map(Math.round).join()) ?? { at, which: [] };
+      group.which.push(k);
+      grouped.set(at.map(Math.round).join(), group);
+    }
+    for (const { at, which } of grouped.values()) this.force(at, sumOf(frame.reaction, which), "", colour("--faint"));
+  }
+
+  private force(at: Spot, force: number[], name: string, stroke: string): void {
+    const { ink, colour } = this.pen;
+    const size = Math.hypot(...force);
+    if (!(size > 0) || Number.isNaN(at[0])) return;
+    const seen = this.camera?.axes().ways;
+    const [right, up] = [1, 2].map((a) =>
+      seen ? sum(force.map((f, k) => f * (seen[k][a] as number))) : force[a === 1 ? 0 : force.length - 1],
+    );
+    const flat = Math.hypot(right, up) || 1;
+    const way: Spot = [right / flat, -up / flat];
+    const along = seen ? flat / size : 1; // what of it is not along the line of sight
+    const length = Math.max(along * Math.min(Math.max((size * 70) / (this.view.force || 1), 14), 100), 14);
+    if (along > 0.2) this.arrow(at, way, length, stroke);
+    else {
+      ink.strokeStyle = stroke; // it points at who looks, or away
+      ink.lineWidth = 2;
       ink.beginPath();
-      ink.moveTo(x, z);
-      ink.lineTo(x - 8, z + 14);
-      ink.lineTo(x + 8, z + 14);
-      ink.closePath();
-      ink.fillStyle = colour("--panel");
-      ink.fill();
-      ink.strokeStyle = colour("--ink");
-      ink.lineWidth = 1.5;
+      ink.arc(at[0], at[1], 11, 0, 2 * Math.PI);
       ink.stroke();
     }
+    ink.textAlign = way[0] < -0.3 ? "right" : way[0] > 0.3 ? "left" : "center";
+    const [x, z] = [at[0] + way[0] * (length + 8), at[1] + way[1] * (length + 8)];
+    const text = `${name}${written(size, "N")}`;
+    const wide = ink.measureText(text).width;
+    const inside = way[0] < -0.3 ? Math.max(x, wide + 4) : Math.min(x, this.canvas.clientWidth - wide - 4);
+    ink.lineWidth = 3;
+    ink.strokeStyle = colour("--panel");
+    ink.fillStyle = stroke;
+    for (const draw of ["strokeText", "fillText"] as const)
+      ink[draw](text, inside, z + (way[1] > 0.3 ? 10 : name ? -12 : 0));
+    ink.textAlign = "left";
   }
 
-  private marks(ink: CanvasRenderingContext2D, frame: Frame, fill: string): void {
-    const axes = this.scene?.layout.axes.length ?? 2;
-    ink.fillStyle = fill;
-    for (const places of [frame.body_position, frame.contact_position]) {
-      const rest = places && this.restOf(frame, places);
-      for (let k = 0; places && k < places.length / axes; k++) {
-        const [x, z] = this.at(places, k, rest);
-        if (Number.isNaN(x)) continue;
-        ink.beginPath();
-        ink.arc(x, z, places === frame.contact_position ? 6.5 : 4, 0, 2 * Math.PI);
-        ink.fill();
-      }
-    }
-  }
-
-  private forces(ink: CanvasRenderingContext2D, scene: Scene, colour: (name: string) => string): void {
-    const { frame, layout } = scene;
-    const axes = layout.axes.length;
-    const rest = scene.rest?.position;
-    const own = axes === 2 ? [0, 1] : [0, 2];
-    const longest = 70 / (this.view.force || 1);
-    const one = (at: [number, number], force: number[], name: string, stroke: string) => {
-      const size = Math.hypot(...force);
-      if (!(size > 0) || Number.isNaN(at[0])) return;
-      const seen = this.camera?.axes().ways;
-      const [right, up] = [1, 2].map((a) =>
-        seen ? force.reduce((sum, f, k) => sum + f * (seen[k][a] as number), 0) : force[own[a - 1]],
-      );
-      const flat = Math.hypot(right, up) || 1;
-      const way = [right / flat, -up / flat];
-      const along = seen ? flat / size : 1; // what of it is not along the line of sight
-      const length = Math.max(along * Math.min(Math.max(size * longest, 14), 100), 14);
-      if (along > 0.2) this.arrow(ink, at, [way[0], way[1]], length, stroke);
-      else this.ring(ink, at, stroke);
-      ink.fillStyle = stroke;
-      ink.textAlign = way[0] < -0.3 ? "right" : way[0] > 0.3 ? "left" : "center";
-      const [x, z] = [at[0] + way[0] * (length + 8), at[1] + way[1] * (length + 8)];
-      const wide = ink.measureText(`${name}${written(size, "N")}`).width;
-      const inside = way[0] < -0.3 ? Math.max(x, wide + 4) : Math.min(x, this.canvas.clientWidth - wide - 4);
-      ink.fillText(`${name}${written(size, "N")}`, inside, z + (way[1] > 0.3 ? 10 : name ? -12 : 0));
-      ink.textAlign = "left";
-    };
-    const vector = (values: Float32Array | undefined, k: number) =>
-      values ? Array.from(values.subarray(k * axes, (k + 1) * axes)) : [];
-    const loadsAtRest = this.restOf(frame, frame.contact_position);
-    layout.loads.forEach((_, k) => {
-      if (layout.loads.length > 12) return;
-      const at = this.at(frame.contact_position, k, loadsAtRest);
-      const [force, hold] = [vector(frame.contact_force, k), vector(frame.hold_force, k)];
-      one(
-        at,
-        force.map((f, a) => f - (hold[a] || 0)),
-        "",
-        colour("--load"),
-      );
-      one(at, hold, "hold ", colour("--hold"));
-    });
-    if (layout.supports.length > 12) return;
-    for (const [, node, k] of this.supportNodes())
-      one(this.at(frame.position, node, rest), vector(frame.reaction, k), "", colour("--faint"));
-  }
-
-  /** A force that points at who looks, or away. */
-  private ring(ink: CanvasRenderingContext2D, [x, z]: [number, number], stroke: string): void {
-    ink.strokeStyle = stroke;
-    ink.lineWidth = 2;
-    ink.beginPath();
-    ink.arc(x, z, 11, 0, 2 * Math.PI);
-    ink.stroke();
-  }
-
-  private arrow(
-    ink: CanvasRenderingContext2D,
-    [x, z]: [number, number],
-    [a, b]: [number, number],
-    length: number,
-    stroke: string,
-  ): void {
+  private arrow([x, z]: Spot, [a, b]: Spot, length: number, stroke: string): void {
+    const { ink } = this.pen;
     const [ex, ez] = [x + a * length, z + b * length];
     ink.strokeStyle = ink.fillStyle = stroke;
     ink.lineWidth = 2;
@@ -439,64 +446,90 @@ export class Stage {
     ink.fill();
   }
 
-  private axes(ink: CanvasRenderingContext2D, width: number, height: number, colour: (name: string) => string): void {
-    if (this.scene?.layout.axes.length === 3) return;
-    const [x0, z0] = this.place(42, height - MARGIN.bottom + 12);
-    const [x1, z1] = this.place(width - 46, 54);
+  /** Level axis of places; upright axis of places, or of displacements where these are exaggerated. */
+  private axes(scene: Scene, width: number, height: number): void {
+    if (scene.layout.axes.length === 3) return;
+    const { ink, colour } = this.pen;
+    const low = height - MARGIN.bottom + 12;
+    const [x0, z0] = this.place(EDGE.left, low - sum(this.rows(height)));
+    const [x1, z1] = this.place(width - EDGE.right, 54);
     ink.strokeStyle = colour("--grid");
     ink.fillStyle = colour("--faint");
     ink.lineWidth = 1;
     const [sx, ox, sz, oz] = this.scale;
+    const mark = (value: number, at: [number, number, number, number], x: number, z: number) => {
+      ink.beginPath();
+      ink.moveTo(at[0], at[1]);
+      ink.lineTo(at[2], at[3]);
+      ink.stroke();
+      ink.fillText(`${+value.toPrecision(6)}`.replace("-", "−"), x, z);
+    };
     ink.textAlign = "center";
-    for (const x of ticks(x0, x1, 9)) {
-      const px = ox + sx * x;
-      ink.beginPath();
-      ink.moveTo(px, 50);
-      ink.lineTo(px, height - MARGIN.bottom + 12);
-      ink.stroke();
-      ink.fillText(`${+x.toPrecision(6)}`.replace("-", "−"), px, height - MARGIN.bottom + 27);
-    }
+    for (const x of ticks(x0, x1, 9)) mark(x, [ox + sx * x, 50, ox + sx * x, low], ox + sx * x, low + 15);
     ink.textAlign = "right";
-    for (const z of ticks(z0, z1, 5)) {
-      const pz = oz + sz * z;
-      ink.beginPath();
-      ink.moveTo(42, pz);
-      ink.lineTo(width - 12, pz);
-      ink.stroke();
-      ink.fillText(`${+z.toPrecision(6)}`.replace("-", "−"), 37, pz + 4);
+    const { label, level, size } = this.upright(scene);
+    const ends = [(z0 - level) / size, (z1 - level) / size];
+    for (const value of ticks(Math.min(...ends), Math.max(...ends), 5)) {
+      const pz = oz + sz * (level + size * value);
+      mark(value, [EDGE.left, pz, width - EDGE.right, pz], EDGE.left - 5, pz + 4);
     }
     ink.textAlign = "left";
-    ink.fillText("z (m)", 8, 44);
-    ink.fillText("x (m)", width - 36, height - MARGIN.bottom + 27);
+    ink.fillText(label, 8, 44);
+    ink.fillText("x (m)", width - 36, low + 15);
   }
 
-  private key(ink: CanvasRenderingContext2D, width: number, colour: (name: string) => string): void {
+  /** What the upright axis shows: its label, the height of zero in m, and the size of its unit as drawn, in m. */
+  private upright({ picture, state, reference, layout }: Scene): { label: string; level: number; size: number } {
+    const { colour } = picture;
+    const shown = colour?.unit === "m" ? state.ranges[colour.name] : undefined;
+    const factors = state.height_factor === 1 ? "" : `, heights × ${state.height_factor}`;
+    if (this.factor === 1 || !colour || !shown) return { label: `z (m)${factors}`, level: 0, size: 1 };
+    const first = layout.nodes.find(([name]) => !colour.lines.length || colour.lines.includes(name))?.[1] ?? 0;
+    const level = reference[layout.axes.length * (first + 1) - 1];
+    const size = this.factor * shown.size * (colour.down ? -1 : 1);
+    return { label: `${colour.label} (${shown.unit})${factors}`, level, size };
+  }
+
+  /** The factor of displacements, the linear theory, and the bar of colours. */
+  private key({ picture, state, ghost }: Scene, width: number): void {
+    const { ink, colour } = this.pen;
+    const quantity = picture.colour;
+    const shown = quantity && state.ranges[quantity.name];
+    ink.fillStyle = colour("--ink");
+    if (this.factor !== 1) {
+      ink.font = ink.font.replace("12px", "bold 13px");
+      ink.fillText(`${quantity?.unit === "m" ? quantity.label : "displacement"} × ${this.factor}`, 8, 24);
+      ink.font = ink.font.replace("bold 13px", "12px");
+    }
+    if (shown) this.bar(quantity.label, shown, width);
+    if (!ghost?.length) return;
+    ink.setLineDash([7, 5]);
+    ink.strokeStyle = colour("--ghost");
+    ink.lineWidth = 1.5;
+    ink.beginPath();
+    ink.moveTo(170, 20);
+    ink.lineTo(204, 20);
+    ink.stroke();
+    ink.setLineDash([]);
+    ink.fillText("linear theory", 210, 24);
+  }
+
+  private bar(label: string, shown: Shown, width: number): void {
+    const { ink, colour } = this.pen;
     const names = steps(colour("--dark") === "1");
-    const [low, high] = this.view.tension;
-    const unit = this.scene ? tensionsOf(this.scene.layout, this.scene.frame).unit : "N";
-    const [w, right] = [unit === "N" ? 150 : 190, width - 26];
-    for (let k = 0; k < w; k++) {
-      ink.fillStyle = names[Math.floor((k / w) * names.length)];
-      ink.fillRect(right - w + k, 22, 1.5, 8);
+    const [wide, right] = [shown.unit.length < 3 ? 150 : 190, width - 26];
+    for (let k = 0; k < wide; k++) {
+      ink.fillStyle = names[Math.floor((k / wide) * names.length)];
+      ink.fillRect(right - wide + k, 22, 1.5, 8);
     }
     ink.fillStyle = colour("--ink");
-    ink.textAlign = "left";
-    const digits = written(low, unit) === written(high, unit) ? 5 : 3; // of a taut string tensions hardly differ
-    ink.fillText(written(low, unit, digits), right - w, 16);
+    const digits = said(shown.low, shown) === said(shown.high, shown) ? 5 : 3; // of a taut string tensions hardly differ
+    ink.fillText(said(shown.low, shown, digits), right - wide, 16);
     ink.textAlign = "right";
-    ink.fillText(written(high, unit, digits), right, 16);
-    ink.fillText("tension", right - w - 8, 30);
+    ink.fillText(said(shown.high, shown, digits), right, 16);
+    ink.fillText(label, right - wide - 8, 30);
     ink.textAlign = "left";
-    if (this.scene?.ghost?.length) {
-      ink.setLineDash([7, 5]);
-      ink.strokeStyle = colour("--ghost");
-      ink.lineWidth = 1.5;
-      ink.beginPath();
-      ink.moveTo(70, 20);
-      ink.lineTo(104, 20);
-      ink.stroke();
-      ink.setLineDash([]);
-      ink.fillText("linear theory", 110, 24);
-    }
   }
 }
+
+const sum = (values: number[]) => values.reduce((a, b) => a + b, 0);

@@ -1,7 +1,7 @@
 import type { Doubt } from "./doubts";
-import { Film } from "./film";
+import { type Curves, Film } from "./film";
 import type { Message } from "./messages";
-import { element, numbersOf, Player } from "./player";
+import { element, folded, numbersOf, Player } from "./player";
 import { Plots } from "./plots";
 import { Stage } from "./stage";
 import "./style.css";
@@ -16,8 +16,9 @@ export interface Run {
 }
 
 export function filmOf(run: Run): Film {
-  const film = new Film(run.messages[0].head);
-  for (const message of run.messages.slice(1)) film.add(message.arrays);
+  const film = new Film(run.messages[0]);
+  film.curves = (run.ended.curves as Curves) ?? film.curves;
+  for (const message of run.messages.slice(1)) film.add(message);
   return film;
 }
 
@@ -65,7 +66,7 @@ export class Viewer {
           {},
           ...distrusted.map((text) => element("p", { class: "doubt" }, text)),
           numbers,
-          element("pre", { class: "summary" }, String(summary)),
+          ...folded(String(summary)),
         ),
       ),
     ];
@@ -76,7 +77,7 @@ export class Viewer {
 
   /** Another message of the run has come. */
   more(message: Message): void {
-    this.film.add(message.arrays);
+    this.film.add(message);
     this.player.more();
   }
 

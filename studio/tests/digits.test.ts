@@ -14,6 +14,10 @@ test("numbers have as many digits as are asked for, whatever their size", () => 
 
 test("beside a dragged load stands its height by the linear theory, and what it presses with", () => {
   const layout = { axes: ["x", "z"], loads: ["her"] } as unknown as Film["layout"];
+  const colour = { name: "tension", label: "tension", unit: "N", of: "link" as const, lines: [], down: false };
+  const picture = { colour, diagrams: [], symbols: [], around: null };
+  const ranges = { tension: { low: 7, high: 8, unit: "kN", size: 1000 } };
+  const described = { layout, picture, state: { factor: 1, height_factor: 1, ranges } };
   const frame = {
     tension: Float32Array.of(8000),
     contact_position: Float32Array.of(10, -0.153),
@@ -22,8 +26,9 @@ test("beside a dragged load stands its height by the linear theory, and what it 
     hold_force: Float32Array.of(0, 0),
     ghost: Float32Array.of(0, 0, 10, -0.156, 20, 0),
   };
-  const rows = new Map(numbersOf({ layout }, frame, "her"));
+  const rows = new Map(numbersOf(described, frame, "her"));
+  expect(rows.get("largest tension")).toBe("8.000 kN");
   expect(rows.get("her: z by the linear theory")).toBe("−0.1560 m");
   expect(rows.get("her: contact force, downwards")).toBe("200.0 N");
-  expect(numbersOf({ layout }, frame).some(([name]) => /theory/.test(name))).toBe(false);
+  expect(numbersOf(described, frame).some(([name]) => /theory/.test(name))).toBe(false);
 });

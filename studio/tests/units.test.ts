@@ -1,10 +1,15 @@
 import { expect, test } from "vitest";
 import { Latest } from "../src/connection";
-import { Film, tensionsOf } from "../src/film";
+import { Film } from "../src/film";
 import { unpacked } from "../src/messages";
 import { boxOf, turned } from "../src/orbit";
 import { completions, type Schema } from "../src/schema";
 import { ticks, written } from "../src/units";
+
+const reference = (...values: number[]) => ({
+  reference: { shape: [values.length], values: Float32Array.of(...values) },
+});
+const state = { factor: 1, height_factor: 1, ranges: {} };
 
 function packed(head: object, ...values: number[]): ArrayBuffer {
   let text = JSON.stringify(head);
@@ -28,18 +33,21 @@ test("a message is a header and its arrays, one after the other", () => {
 });
 
 test("a film gives the last frame at an instant, whatever came at once", () => {
-  const film = new Film({ layout: {}, total: 300 });
+  const film = new Film({ head: { layout: {}, total: 300 }, arrays: reference() });
   for (let i = 0; i < 100; i++) {
     const path = Float32Array.of(3 * i, 3 * i + 1, 3 * i + 2);
-    film.add({ path: { shape: [3], values: path }, tension: { shape: [3, 1], values: path.map((x) => 1 - x) } });
+    const tension = { shape: [3, 1], values: path.map((x) => 1 - x) };
+    film.add({ head: { state }, arrays: { path: { shape: [3], values: path }, tension } });
   }
   expect(film.count).toBe(300);
   expect(film.at(200.7)).toBe(200);
   expect(film.at(-1)).toBe(0);
   expect(film.frame(200).tension[0]).toBe(-199);
-  expect(film.range("tension")).toEqual([-298, 1]);
-  const tenths = new Film({ layout: {}, total: 3 });
-  tenths.add({ path: { shape: [3], values: Float32Array.of(0, 0.1, 0.2) } });
+  expect([film.envelope("tension").low[0], film.envelope("tension").high[0], film.most("tension")]).toEqual([
+    -298, 1, 298,
+  ]);
+  const tenths = new Film({ head: { layout: {}, total: 3 }, arrays: reference() });
+  tenths.add({ head: { state }, arrays: { path: { shape: [3], values: Float32Array.of(0, 0.1, 0.2) } } });
   expect(tenths.at(0.1)).toBe(1); // 0.1 as a 32-bit float is a little more
 });
 
@@ -90,17 +98,6 @@ test("a camera goes around what it looks at, at the same distance, and never ove
     [-1, 2, 0],
     [1, 5, 3],
   ]);
-});
-
-test("nets are coloured by the larger tension of both directions, lines by theirs", () => {
-  const layout = { cells: [1, 2].map((i) => [0, i, i + 1]) } as never;
-  const net = tensionsOf(layout, { cell_tension: Float32Array.of(5, 7, 9, 2) });
-  expect([[...net.values], net.unit]).toEqual([[7, 9], "N/m"]);
-  const tension = Float32Array.of(1);
-  expect(tensionsOf(layout, { tension, cell_tension: Float32Array.of(5, 7, 9, 2) })).toEqual({
-    values: tension,
-    unit: "N",
-  });
 });
 
 test("numbers have three digits and a unit", () => {

@@ -6,8 +6,7 @@ be seen to hang below it. What results say of nodes stays as it is.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,61 +16,29 @@ from ropewalk.results.frame import IN_AIR, Array
 if TYPE_CHECKING:
     import xarray as xr
 
-BENT = ("position", "contact_position", "contact_xi", "contact_state")
 _SEEN = 0.02  # of a link: nearer to the straight line between its nodes no contact is seen to be off it
 
 
-class Bends:
-    """Where lines are bent by loads.
-
-    Args:
-        node_line: names of the lines of nodes.
-        node_xi: (node,) m, along these.
-        contacts: names of contacts.
-        loads: of each load the lines that it is `on` and `also_on`.
-    """
-
-    def __init__(
-        self, node_line: Sequence[str], node_xi: Array, contacts: Sequence[str], loads: Mapping[str, Any]
-    ) -> None:
-        names, on = np.asarray(node_line), [line_of(contact, loads) for contact in contacts]
-        nodes = {name: np.flatnonzero(names == name) for name in dict.fromkeys(on)}
-        self._lines = [
-            (own, node_xi[own], np.array([line == name for line in on]))
-            for name, own in nodes.items() if own.size > 2 and np.isfinite(node_xi[own]).all()
-        ]  # fmt: skip
-
-    def drawn(self, position: Array, places: Array, xi: Array, state: Array) -> Array:
-        """Positions (frame, node, axis), m; of nodes within a link of a load on straight lines that meet there.
-
-        Args:
-            position: of the nodes.
-            places: (frame, contact, axis) m, of contacts.
-            xi: (frame, contact) m, of these along their lines.
-            state: (frame, contact) codes, as in results.
-        """
-        position = np.array(position, dtype=float)
-        touch = (state > IN_AIR) & np.isfinite(xi) & np.isfinite(places).all(axis=-1)
-        for own, stations, here in self._lines:
-            for frame in np.flatnonzero((touch & here).any(axis=1)):
-                k = touch[frame] & here
-                position[frame, own] = _bent(position[frame, own], stations, places[frame, k], xi[frame, k])
-        return position
-
-
 def drawn_position(dataset: xr.Dataset) -> Array:
-    """Positions of nodes (frame, node, axis), m; those within a link of a load are on straight lines that meet there.
+    """Return positions of nodes (frame, node, axis), m; those within a link of a load are on straight lines there.
 
     Args:
         dataset: the frames of a result that are to be drawn.
     """
-    bends = Bends(
-        dataset["line"].values.tolist(),
-        dataset["xi"].values,
-        dataset["load"].values.tolist(),
-        declared(dataset, "loads"),
-    )
-    return bends.drawn(*(dataset[name].values for name in BENT))
+    position = np.array(dataset["position"].values, dtype=float)
+    places, xi, loads = dataset["contact_position"].values, dataset["contact_xi"].values, declared(dataset, "loads")
+    touch = (dataset["contact_state"].values > IN_AIR) & np.isfinite(xi) & np.isfinite(places).all(axis=-1)
+    names, node_xi = dataset["line"].values, dataset["xi"].values
+    on = np.array([line_of(contact, loads) for contact in dataset["load"].values.tolist()], dtype=object)
+    for name in dict.fromkeys(on.tolist()):
+        own, here = np.flatnonzero(names == name), on == name
+        stations = node_xi[own]
+        if own.size <= 2 or not np.isfinite(stations).all():
+            continue
+        for frame in np.flatnonzero((touch & here).any(axis=1)):
+            k = touch[frame] & here
+            position[frame, own] = _bent(position[frame, own], stations, places[frame, k], xi[frame, k])
+    return position
 
 
 def _bent(nodes: Array, stations: Array, places: Array, xi: Array) -> Array:

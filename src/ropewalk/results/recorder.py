@@ -19,7 +19,7 @@ from ropewalk.results import checksums, contract
 from ropewalk.results.files import WriteError, beside, open_result
 from ropewalk.results.frame import Array, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
-from ropewalk.results.labelled import dataset
+from ropewalk.results.labelled import of_frames
 from ropewalk.results.past import Past
 from ropewalk.results.slots import Slots, cut, digests
 from ropewalk.results.target import alone, check_target
@@ -217,20 +217,8 @@ class _Memory:
         """Nothing is kept from others."""
 
     def result(self, run_info: RunInfo) -> xr.Dataset:
-        path, arrays = self._layout.path, self._arrays
-        values, size = contract.coordinate_values(self._layout), contract.sizes(self._layout)
-        coordinates = {
-            name: (q.dims, values[name], q.attributes)
-            for name, q in contract.COORDINATES.items()
-            if contract.is_present(q, size)
-        }
-        coordinates[path] = ((path,), arrays[contract.PATH], contract.PATHS[path].attributes)
-        variables = {
-            name: ((path, *q.dims), arrays[name], q.attributes)
-            for name, q in contract.VARIABLES.items()
-            if contract.is_present(q, size)
-        }
-        return dataset(variables, coordinates, {**self._fixed, **contract.run_info_attributes(run_info)})
+        attributes = {**self._fixed, **contract.run_info_attributes(run_info)}
+        return of_frames(self._layout, self._arrays[contract.PATH], self._arrays, attributes)
 
 
 class _File:

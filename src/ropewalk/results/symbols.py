@@ -57,7 +57,7 @@ class Symbol:
 
     def described(self) -> dict[str, Any]:
         """Return it for messages, without what is empty."""
-        return {key: value for key, value in vars(self).items() if value or key == "name"}
+        return {key: value for key, value in vars(self).items() if value not in ((), None)}
 
 
 def symbols_of(dataset: xr.Dataset, scenario: Scenario | None, reference: Array) -> list[Symbol]:

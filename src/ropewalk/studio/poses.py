@@ -16,6 +16,7 @@ from ropewalk.model.run import Dynamic, Equilibrium
 from ropewalk.model.scenario import Scenario
 from ropewalk.model.travel import Travel
 from ropewalk.model.wind import Wind
+from ropewalk.results.contract import scenario_attributes
 from ropewalk.results.frame import Array, Frame, Layout, RunInfo
 from ropewalk.simulate import run_of
 from ropewalk.solve.start import setting_of
@@ -78,6 +79,7 @@ class Dragging:
         self.scenario = scenario
         self._line: tuple[Any, Any] = (None, None)  # what was asked of a line, and that line
         self._chord: tuple[Any, Chord | None] = (None, None)
+        self.attributes = scenario_attributes(scenario.model_copy(update={"run": Equilibrium()}))
         self._checked: tuple[Any, Any] = (None, None)  # what was asked but the place; that scenario and its load
         self._last: tuple[float, float, float] | None = None  # xi, x where that led, and dx/dxi
 

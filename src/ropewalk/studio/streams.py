@@ -9,20 +9,26 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ropewalk.results.contract import path_name
-from ropewalk.results.drawn import BENT, Bends, drawn_position
-from ropewalk.results.frame import ENERGY_FORMS, Array, Doubt, Layout, RunInfo
+from ropewalk.results.contract import path_name, run_info_attributes
+from ropewalk.results.display_units import DisplayUnits
+from ropewalk.results.frame import ENERGY_FORMS, Doubt, Layout, RunInfo
 from ropewalk.results.frames import Frames
+from ropewalk.results.labelled import of_frames
+from ropewalk.results.line_response import histories
+from ropewalk.results.picture import Picture
 from ropewalk.studio.messages import described, packed
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from ropewalk.studio.poses import Pose
+
 DISPLAYED = (
-    "position", "tension", "cell_tension", "contact_position", "contact_force", "hold_force", "contact_tension",
-    "contact_friction", "contact_xi", "reaction", "body_position", "energy",
+    "contact_force", "hold_force", "contact_tension", "contact_friction", "reaction", "energy",
 )  # fmt: skip
+"""Arrays of results that pages show besides those of `Picture.add`."""
 MOST_BYTES = 150_000_000  # of one result on a page; of more, every second frame is shown, or every third
+MOST_POINTS = 4000  # of the curve of a place
 _BLOCK_BYTES = 2_000_000
 _INSTANT = re.compile(r"\bt = (\d[\d.]*(?:e[+-]?\d+)?) s\b")
 
@@ -46,79 +52,94 @@ def state_of_run(run_info: RunInfo) -> dict[str, Any]:
 
 
 class Streamed:
-    """What looks at a run and sends what it sees.
+    """Sends the frames of a run as they come.
 
     Args:
         send: takes a message.
         head: goes in front of all, as {"id": 7}.
         total: how many frames the run will have.
-        loads: of each load the lines that it is `on` and `also_on`.
+        attributes: of the result, its scenario among them.
     """
 
     def __init__(
-        self, send: Callable[[bytes], None], head: dict[str, Any], total: int, loads: Mapping[str, Any]
+        self, send: Callable[[bytes], None], head: dict[str, Any], total: int, attributes: Mapping[str, Any]
     ) -> None:
-        self._send, self._head, self._total, self._loads = send, head, total, loads
-        self._step, self._seen, self._begun = 1, 0, False
+        self._send, self._head, self._total, self._attributes = send, head, total, attributes
+        self._step, self._seen, self._picture = 1, 0, None
 
     def __call__(self, layout: Layout, frames: Frames, run_info: RunInfo) -> None:
         """Send some frames."""
-        if not self._begun:
-            self._begun = True
-            each = 4 * sum(int(frames.of[name][0].size) for name in DISPLAYED if name in frames.of)
-            self._step = 1 + int(each * self._total // MOST_BYTES)
-            head = {**self._head, "event": "layout", "total": self._total, "step": self._step}
-            self._send(packed({**head, "layout": described(layout), "energies": ENERGY_FORMS}, {}))
-            self._bends = Bends(layout.node_line, layout.node_xi, layout.contact_load, self._loads)
+        block = of_frames(layout, frames.path, frames.of, {**self._attributes, **run_info_attributes(run_info)})
+        if self._picture is None:
+            self._picture = Picture(block)
+            self._step = _step(block, self._total)
+            self._send(_opening(self._picture, layout, self._total, self._step, self._head))
         first = -self._seen % self._step
         self._seen += len(frames)
-        rows = slice(first, None, self._step)
-        if first >= len(frames):
-            return
-        arrays = {"path": frames.path[rows], **{name: frames.of[name][rows] for name in DISPLAYED if name in frames.of}}
-        arrays["position"] = self._bends.drawn(*(frames.of[name][rows] for name in BENT))
-        self._send(packed({**self._head, "event": "frames", "run": state_of_run(run_info)}, arrays))
+        run = {"run": state_of_run(run_info)}
+        self._send(_frames(self._picture, block, slice(first, None, self._step), {**self._head, **run}))
 
 
 def of_result(dataset: xr.Dataset, head: dict[str, Any]) -> Iterator[bytes]:
-    """The messages that a run would have sent whose result this is."""
-    layout = _layout_of(dataset)
-    names = [name for name in DISPLAYED if name in dataset and dataset[name].dims[0] == layout.path]
-    title = str(dataset.attrs.get("title", ""))
-    arrays = {name: _Drawn(dataset) if name == "position" else dataset[name] for name in names}
-    return film(layout, dataset[layout.path], arrays, {**head, "title": title})
-
-
-class _Drawn:
-    """Positions of nodes as they are drawn, of the frames that are asked for."""
-
-    def __init__(self, dataset: xr.Dataset) -> None:
-        self._dataset, self.size = dataset, int(dataset["position"].size)
-
-    def __getitem__(self, frames: slice) -> Array:
-        return drawn_position(self._dataset.isel({path_name(self._dataset): frames}))
-
-
-def film(layout: Layout, path: Any, arrays: Mapping[str, Any], head: dict[str, Any]) -> Iterator[bytes]:
-    """Frames that are there as messages, the first frame alone: a picture of it need not wait for all.
+    """Return the messages of a result as of a run: the first frame alone, so that a picture need not wait for all.
 
     Args:
-        layout: of the frames.
-        path: (frame) where they are on it.
-        arrays: (frame, ...) by name; arrays of NumPy or xarray.
+        dataset: a result.
         head: goes in front of all.
     """
-    count = int(path.size)
-    each = 4 * sum(int(array.size) for array in arrays.values()) // max(count, 1)
-    step = 1 + int(each * count // MOST_BYTES)
-    first = {**head, "event": "layout", "total": count, "step": step}
-    yield packed({**first, "layout": described(layout), "energies": ENERGY_FORMS}, {})
-    rows = max(1, _BLOCK_BYTES // max(each, 1)) * step
-    begins = [0, *range(step, count, rows), count]
-    for begin, end in pairwise(begins):
-        given = {"path": path, **arrays}
-        part = {name: np.asarray(array[begin:end:step], dtype=float) for name, array in given.items()}
-        yield packed({**head, "event": "frames"}, part)
+    name, picture = path_name(dataset), Picture(dataset.isel({path_name(dataset): slice(0, 1)}))
+    count = dataset.sizes[name]
+    step = _step(dataset, count)
+    yield _opening(picture, _layout_of(dataset), count, step, {**head, "title": str(dataset.attrs.get("title", ""))})
+    rows = max(1, _BLOCK_BYTES // max(_bytes(dataset), 1)) * step
+    for begin, end in pairwise([0, *range(step, count, rows), count]):
+        yield _frames(picture, dataset.isel({name: slice(begin, end)}), slice(None, None, step), head)
+
+
+def of_pose(pose: Pose, attributes: Mapping[str, Any], head: dict[str, Any]) -> bytes:
+    """Return the message of an equilibrium while a load is dragged, with its description.
+
+    Args:
+        pose: the equilibrium.
+        attributes: of its scenario.
+        head: goes in front.
+    """
+    frames = Frames.together([pose.frame])
+    block = of_frames(pose.layout, frames.path, frames.of, attributes)
+    picture = Picture(block)
+    drawn = {name: array[0] for name, array in picture.add(block).items()}
+    others = {name: frames.of[name][0] for name in DISPLAYED if name in frames.of}
+    state = picture.state() | ({} if picture.beams else {"factor": 1.0})  # of ropes only displacements are drawn larger
+    about = {"layout": described(pose.layout), "picture": picture.described(), "state": state}
+    linear = np.zeros(0) if pose.linear is None else pose.linear
+    arrays = {**drawn, **others, "reference": picture.reference, "ghost": linear}
+    return packed({**head, **about, "xi": pose.xi, "warnings": pose.warnings}, arrays)
+
+
+def _opening(picture: Picture, layout: Layout, total: int, step: int, head: dict[str, Any]) -> bytes:
+    about = {"layout": described(layout), "picture": picture.described(), "energies": ENERGY_FORMS}
+    return packed({**head, "event": "layout", "total": total, "step": step, **about}, {"reference": picture.reference})
+
+
+def _frames(picture: Picture, block: xr.Dataset, rows: slice, head: dict[str, Any]) -> bytes:
+    """Pack some rows of the next frames of a run."""
+    drawn = {"path": block[path_name(block)].values, **picture.add(block)}
+    others = {
+        name: block[name].values for name in DISPLAYED if name in block and block[name].dims[0] == path_name(block)
+    }
+    arrays = {name: array[rows] for name, array in (drawn | others).items()}
+    return packed({**head, "event": "frames", "state": picture.state()}, arrays)
+
+
+def _bytes(dataset: xr.Dataset) -> int:
+    """Return about how many bytes a frame takes in a message."""
+    sizes = dataset.sizes
+    return 4 * (sizes["node"] * (sizes["axis"] + 2) + sizes["link"] + sizes.get("cell", 0) + 14 * sizes["contact"])
+
+
+def _step(dataset: xr.Dataset, total: int) -> int:
+    """Return every how many frames one is sent."""
+    return 1 + int(_bytes(dataset) * total // MOST_BYTES)
 
 
 def stored(dataset: xr.Dataset) -> dict[str, Any]:
@@ -129,7 +150,22 @@ def stored(dataset: xr.Dataset) -> dict[str, Any]:
     numbers = {name: [value, unit] for name, (value, unit) in named_numbers(dataset).items() if value is not None}
     ending = {key: found[key] for key in ("title", "outcome", "advice", "doubts", "warnings")}
     ending["doubts"] = [remark_of(str(doubt)) for doubt in ending["doubts"]]
-    return {"event": "ended", "summary": text(found), "numbers": numbers, **ending}
+    return {"event": "ended", "summary": text(found), "numbers": numbers, "curves": _curves(dataset), **ending}
+
+
+def _curves(dataset: xr.Dataset) -> dict[str, Any]:
+    """Return the curves of the places that the scenario names: `path`, and by quantity the unit and values by place."""
+    rows = slice(None, None, 1 + dataset.sizes[path_name(dataset)] // MOST_POINTS)
+    found: dict[str, list[tuple[str, Any, str]]] = {}
+    for name, values, unit in histories(dataset):
+        place, _, quantity = name.rpartition(".")
+        found.setdefault(quantity, []).append((place, values[rows], unit))
+    groups = []
+    for quantity, curves in found.items():
+        unit = DisplayUnits.read(None).of(curves[0][2], [values for _, values, _ in curves])
+        known = {place: [v if v == v else None for v in (values / unit.size).tolist()] for place, values, _ in curves}
+        groups.append({"quantity": quantity.replace("_", " "), "unit": unit.symbol, "curves": known})
+    return {"path": dataset[path_name(dataset)].values[rows].tolist() if groups else [], "groups": groups}
 
 
 def _layout_of(dataset: xr.Dataset) -> Layout:

@@ -161,20 +161,13 @@ class ComputingProcess:
 
     def _do_pose(self, asked: Answer) -> Answer | bytes:
         """The equilibrium with the load under the pointer."""
-        import numpy as np
-
-        from ropewalk.studio.messages import described, packed
-        from ropewalk.studio.streams import DISPLAYED
+        from ropewalk.studio.streams import of_pose
 
         if self._dragging is None:
             return {"error": "no scenario has been made ready"}
         pose = self._dragging.posed(self._asked(asked))
         self._xi = pose.xi
-        linear = np.zeros(0) if pose.linear is None else pose.linear
-        given = {name: getattr(pose.frame, name) for name in DISPLAYED}
-        arrays = {name: np.asarray(array) for name, array in given.items() if array is not None}
-        head = {"id": asked["id"], "layout": described(pose.layout), "xi": pose.xi, "warnings": pose.warnings}
-        return packed(head, {**arrays, "ghost": linear})
+        return of_pose(pose, self._dragging.attributes, {"id": asked["id"]})
 
     def _do_release(self, asked: Answer) -> Answer:
         """The motion of the load when it is let go where it was dragged to; not written to a file."""
@@ -210,6 +203,7 @@ class ComputingProcess:
 
     def _run(self, asked: Answer, scenario: Scenario, file: Path | None) -> Answer:
         from ropewalk.model.run import Dynamic, Linear, Quasistatic
+        from ropewalk.results.contract import scenario_attributes
         from ropewalk.simulate import must_compile, output_times, simulate
         from ropewalk.studio.streams import Streamed, stored
 
@@ -219,10 +213,8 @@ class ComputingProcess:
         total = run.positions if isinstance(run, Quasistatic) else 1
         if isinstance(run, Dynamic | Linear):
             total = int(output_times(run).size)
-        loads = {
-            name: {"on": load.on, "also_on": getattr(load, "also_on", ())} for name, load in scenario.loads.items()
-        }
-        send = Streamed(lambda message: self._send(ticket, False, message), {"id": number}, total, loads)
+        about = scenario_attributes(scenario)
+        send = Streamed(lambda message: self._send(ticket, False, message), {"id": number}, total, about)
         overwrite = bool(asked.get("overwrite"))
         dataset = simulate(scenario, file=file, overwrite=overwrite, progress=self._stop_if_asked, seen=send)
         with dataset:
