@@ -185,12 +185,12 @@ class Picture:
         place, xi = dataset["contact_position"].values, dataset["contact_xi"].values
         moved, names = np.zeros(place.shape), dataset["line"].values
         for k, contact in enumerate(dataset["load"].values.tolist()):
-            line = line_of(contact, self._loads)
-            own = np.flatnonzero(names == (line if line in self.lines else f"{line}.contact"))
-            there = np.flatnonzero(np.isfinite(xi[:, k]))
-            if own.size < 2 or not there.size:
+            line, part = line_of(contact, self._loads), contact.rpartition(".")[2]
+            wires = (f"{part}.contact", line, f"{line}.contact")  # of a line that overlaps, or the declared one
+            own = np.flatnonzero(names == next((wire for wire in wires if wire in self.lines), ""))
+            there, at = np.flatnonzero(np.isfinite(xi[:, k])), dataset["xi"].values[own]
+            if own.size < 2 or not there.size or not np.isfinite(at).all():  # nets have no xi
                 continue
-            at = dataset["xi"].values[own]
             i = np.clip(np.searchsorted(at, xi[there, k], side="right") - 1, 0, own.size - 2)
             part = ((xi[there, k] - at[i]) / (at[i + 1] - at[i]))[:, None]
             reference = (1.0 - part) * self.reference[own[i]] + part * self.reference[own[i + 1]]
