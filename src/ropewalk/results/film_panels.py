@@ -125,19 +125,19 @@ class Diagram:
         quantity: one of the diagrams of the picture.
         shade: colours, where the lines are coloured by the quantity.
         units: to show.
-        follows: whether the view moves along.
+        reach: on each side of the middle of a view that moves along, m; else infinite.
     """
 
     def __init__(
-        self, panel: Axes, arrays: FilmArrays, quantity: Quantity, shade: Any, units: DisplayUnits, *, follows: bool
+        self, panel: Axes, arrays: FilmArrays, quantity: Quantity, shade: Any, units: DisplayUnits, reach: float
     ) -> None:
         nodes, self._values = arrays.diagrams[quantity.name], arrays.values[quantity.name]
         self._x = arrays.picture.reference[nodes, 0]
         self._pairs = np.flatnonzero(np.diff(arrays.line_of(nodes)) == 0)
-        self._shade, self._unit = shade, units.of(quantity.unit, [self._values])
+        self._shade, self._reach, self._unit = shade, reach, units.of(quantity.unit, [self._values])
         low, high = np.fmin.reduce(self._values), np.fmax.reduce(self._values)
         for part in np.split(np.arange(len(nodes)), 1 + np.flatnonzero(np.diff(arrays.line_of(nodes)))):
-            if not follows:
+            if reach == np.inf:
                 panel.fill_between(self._x[part], low[part], high[part], color=style.GRID, linewidth=0.0)
         self._most = self._largest(np.concatenate([low, high]))
         ends = np.array([min(np.nanmin(low, initial=0.0), 0.0), max(np.nanmax(high, initial=0.0), 0.0)])
@@ -160,9 +160,10 @@ class Diagram:
     def move(self, k: int, shift: float) -> None:
         """Show a frame."""
         points = np.stack([self._x - shift, self._values[k]], axis=1)
-        self._curve.set_segments(np.stack([points[self._pairs], points[self._pairs + 1]], axis=1))
+        pairs = self._pairs[np.abs(points[self._pairs, 0]) < self._reach]
+        self._curve.set_segments(np.stack([points[pairs], points[pairs + 1]], axis=1))
         if self._shade is not None:
-            self._curve.set_color(self._shade.to_rgba(self._values[k][self._pairs]))
+            self._curve.set_color(self._shade.to_rgba(self._values[k][pairs]))
         self._text.set_text(f"largest {self._largest(self._values[k])} of {self._most} in the film")
 
 

@@ -135,14 +135,16 @@ def _person(brush: Brush, symbol: Symbol, feet: Array, bodies: Array) -> None:
     """A person who stands on the line with the feet that touch it."""
     if len(feet):
         foot, size = feet.mean(axis=0), _FIGURE * brush.size
-        hip, neck = foot + [0.0, 0.45 * size], foot + [0.0, 0.78 * size]
-        aside = np.array([0.14 * size, 0.0])
+        up, aside = np.array([0.0, size]), np.array([0.14 * size, 0.0])
+        hip, neck = foot + 0.45 * up, foot + 0.78 * up
         legs = feet if len(feet) > 1 and np.ptp(feet[:, 0]) < size else np.stack([foot - aside, foot + aside])
         for leg in legs:
             brush.stroke(np.stack([leg, hip]), _BOX, 2.4)
         brush.stroke(np.stack([hip, neck]), _BOX, 3.4)
-        brush.stroke(np.stack([hip - 1.3 * aside + [0, 2.0], neck - [0, 1.0], hip + 1.3 * aside + [0, 2.0]]), _BOX, 2.0)
-        brush.circle(foot + [0.0, 0.9 * size], 0.12 * size, _BOX)
+        brush.stroke(
+            np.stack([hip - 1.3 * aside + 0.08 * up, neck - 0.04 * up, hip + 1.3 * aside + 0.08 * up]), _BOX, 2.0
+        )
+        brush.circle(foot + 0.9 * up, 0.12 * size, _BOX)
 
 
 def _mass(brush: Brush, symbol: Symbol, spots: Array, bodies: Array) -> None:
@@ -159,8 +161,8 @@ def _post(brush: Brush, symbol: Symbol, tops: Array, feet: Array) -> None:
     size = brush.size
     for top, foot in zip(tops, feet if symbol.foot is not None else (), strict=False):
         for side in (-1.0, 1.0):
-            ends = np.stack([top + [side * 2.0 * size, -2.0 * size], foot + [side * 6.0 * size, 0.0]])
-            brush.stroke(ends, style.FAINT, 1.8)
+            aside = side * size * np.array([[2.0, -2.0], [6.0, 0.0]])
+            brush.stroke(np.stack([top, foot]) + aside * [[1.0, side], [1.0, 1.0]], style.FAINT, 1.8)
     for top in tops:
         radius = brush.length(symbol.size, 6.0, 1e9)
         if symbol.kind == "sheave":

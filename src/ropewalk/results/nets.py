@@ -89,9 +89,8 @@ def line_ends(dataset: xr.Dataset, line: str) -> Indices:
         if away > FAR * size:
             continue
         alone = not (np.abs(first[others] - first[node]).max(axis=1) <= 1e-9 * size).any()
-        if alone or f"{line}.{end}" in named:
-            restrained.append(node)
-        elif dataset.sizes[path_name(dataset)] > 1 and away <= 1e-9 * size:
+        still = dataset.sizes[path_name(dataset)] > 1 and away <= 1e-9 * size
+        if alone or still or f"{line}.{end}" in named:
             restrained.append(node)
     return np.array(restrained, dtype=np.intp)
 

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _TITLES = {
-    "deflection": "Deflection, downward", "acceleration": "Acceleration, filtered", "lateral_deflection": "Lateral deflection",
+    "deflection": "Deflection, downward", "acceleration": "Acceleration, filtered",
+    "lateral_deflection": "Lateral deflection",
     "lateral_acceleration": "Lateral acceleration, filtered", "moment": "Bending moment", "shear": "Shear",
 }  # fmt: skip
 

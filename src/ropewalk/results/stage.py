@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.markers import CARETUP
 from matplotlib.transforms import IdentityTransform
@@ -67,6 +68,7 @@ class Stage:
         displayed = dataset.isel({name: timing.frames})
         self._path: Array = displayed[name].values
         self._arrays, self._displayed = FilmArrays(displayed), displayed
+        self._ends = self._arrays.drawn(self._arrays.strokes[:2]).T
         self._follows = is_of_overhead_line(dataset)
         self._set_forces()
         self._clock_text = f"{name.replace('_', ' ')} {{:.{style.digits(self._path)}f}} {dataset[name].attrs['units']}"
@@ -164,7 +166,7 @@ class Stage:
         self._set_colours()
         self._tracks: list[Diagram | ForceTrack] = [
             Diagram(panel, self._arrays, quantity, self._rope_shade if quantity is picture.diagrams[0] else None,
-                    self._units, follows=self._follows)
+                    self._units, 1.1 * self._half if self._follows else np.inf)
             for panel, quantity in zip(panels[1:], picture.diagrams if not spatial else (), strict=False)
         ]  # fmt: skip
         if self._follows:
@@ -180,7 +182,8 @@ class Stage:
         style.dress(self._panel, str(self._displayed.attrs.get("title", "")))
         style.remark(self._panel, "; ".join(filter(None, drawn)))
         if not spatial:
-            along = "distance from the pantograph (m)" if self._follows else "x (m)"
+            middle = "pantograph" if self._half == AROUND else "middle of the pantographs"
+            along = f"distance from the {middle} (m)" if self._follows else "x (m)"
             panels[-1].set_xlabel(along, fontsize=style.LABEL, color=style.INK)
             for panel in panels[:-1]:
                 panel.tick_params(labelbottom=False)
@@ -229,7 +232,8 @@ class Stage:
         self._net = added(PolyCollection([], linewidths=style.sized(0.3), **page))
         self._rim = added(LineCollection([], colors=[ink], linewidths=style.LINE, **page))
         self._halo = added(LineCollection([], colors=["white"], linewidths=style.sized(2.4), alpha=0.7, **page))
-        self._traces = added(LineCollection([], colors=[ink], linewidths=style.THIN, linestyles=[(0, (1, 1.2))], **page))
+        dotted: dict[str, Any] = {"colors": [ink], "linewidths": style.THIN, "linestyles": [(0, (1, 1.2))]}
+        self._traces = added(LineCollection([], **dotted, **page))
         self._droppers = added(LineCollection([], linewidths=style.sized(1.2), **page))
         self._ropes = added(LineCollection([], linewidths=style.sized(3.0), capstyle="round", colors=[ink], **page))
         self._strokes = added(LineCollection([], capstyle="round", joinstyle="round", **page))
@@ -286,11 +290,13 @@ class Stage:
         page = self._view(place)
         if len(arrays.cells):
             self._move_net(k, place, page)
-        ends = arrays.drawn(arrays.strokes[:2])
-        self._ropes.set_segments(np.stack((page[ends[0]], page[ends[1]]), axis=1))
+        ends = page[self._ends]
+        seen = (ends[..., 0].max(axis=1) > 0.0) & (ends[..., 0].min(axis=1) < self._figure.bbox.width)
+        self._ropes.set_segments(ends[seen])
         if self._rope_shade is not None:
-            colours = self._rope_shade.to_rgba(arrays.colours[k])
-            colours[~np.isfinite(arrays.colours[k])] = (0.2, 0.2, 0.2, 1.0)
+            values = arrays.colours[k][seen]
+            colours = self._rope_shade.to_rgba(values)
+            colours[~np.isfinite(values)] = to_rgba(style.INK)
             self._ropes.set_color(colours)
         self._move_loads(k)
         self._move_droppers(k, page)
@@ -314,10 +320,9 @@ class Stage:
     def _move_droppers(self, k: int, page: Array) -> None:
         droppers = [symbol for symbol in self._arrays.picture.symbols if symbol.kind == "dropper"]
         if droppers:
-            nodes = self._arrays.drawn(np.array([symbol.nodes for symbol in droppers]))
             names = self._displayed["tie"].values.tolist()
             pull = self._displayed["tie_force"][k].values[[names.index(symbol.name) for symbol in droppers]]
-            self._droppers.set_segments(page[nodes])
+            self._droppers.set_segments(page[self._arrays.drawn(np.array([symbol.nodes for symbol in droppers]))])
             self._droppers.set_color([style.RED if force <= SLACK else style.GREEN for force in pull])
 
     def _move_loads(self, k: int) -> None:

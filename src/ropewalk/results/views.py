@@ -165,7 +165,8 @@ def _near_loads(dataset: xr.Dataset) -> list[Curve]:
     for k, load in enumerate(dataset["load"].values.tolist()):
         for index, side, own, dashes in ((0, "behind", style.RED, "-"), (1, "ahead of", style.ORANGE, "--")):
             values = dataset["contact_tension"][:, k, index].values
-            if k not in groups and np.isfinite(values).any():  # several loads have a colour each, and each side its dashes
+            if k not in groups and np.isfinite(values).any():
+                # several loads have a colour each, and each side its dashes
                 out.append((f"{side} {load}", values, {"color": own if alone else colour_of(k), "linestyle": dashes}))
     return out
 
@@ -178,7 +179,7 @@ def _draw_strengths(dataset: xr.Dataset, ax: Axes) -> None:
         if strength < REACH * high:
             ax.axhline(strength, **LIMIT, label=f"strength of {name}")
             high = max(high, 1.05 * strength)
-    far = [f"strength of {name} {strength / 1e3:.4g} kN" for name, strength in found.items() if strength >= REACH * high]
+    far = [f"strength of {name} {value / 1e3:.4g} kN" for name, value in found.items() if value >= REACH * high]
     if len(far) == 1:
         style.remark(ax, far[0])
     ax.set_ylim(low, high)
