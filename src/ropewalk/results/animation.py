@@ -91,7 +91,7 @@ def _write_gif(path: Path, stage: Stage, delay: int, progress: Progress) -> None
     from PIL import Image as pillow
 
     samples = [stage.picture(k) for k in style.thinned(len(stage), 5)]
-    palette = pillow.fromarray(np.concatenate(samples)).quantize(256, method=pillow.Quantize.MEDIANCUT)
+    palette = pillow.fromarray(np.concatenate(samples)).quantize(128, method=pillow.Quantize.MEDIANCUT)
     shades = np.array(palette.getpalette(), dtype=np.uint8).reshape(-1, 3)
     white = int(np.argmax(shades.sum(axis=1, dtype=int)))
     shades[white] = 255
