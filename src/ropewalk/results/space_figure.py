@@ -18,26 +18,11 @@ from ropewalk.results.display_units import number
 from ropewalk.results.drawn import drawn_position
 from ropewalk.results.drawn_bodies import drawn_bodies
 from ropewalk.results.frame import Array
-from ropewalk.results.nets import (
-    NetTriangles,
-    cell_values,
-    in_space,
-    line_ends,
-    most_deflected,
-    net_names,
-    triangles,
-)
+from ropewalk.results.nets import NetTriangles, cell_values, in_space, line_ends, most_deflected, net_names, triangles
 from ropewalk.results.scene import LONG, Scene, faces, segments
 from ropewalk.results.statistics import lines
 from ropewalk.results.ties import tied, ties
-from ropewalk.results.views import (
-    POINTS,
-    SHAPES,
-    instants_bar,
-    load_colour,
-    set_scale,
-    word,
-)
+from ropewalk.results.views import POINTS, SHAPES, instants_bar, load_colour, set_scale, word
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -94,6 +94,9 @@ def shapes(dataset: xr.Dataset, ax: Axes, instants: int = SHAPES) -> None:
         )
     bodies = _draw_bodies(dataset, ax, frames, colours)
     values, unit = dataset[name].values[frames], dataset[name].attrs["units"]
+    if len(frames) > 2:
+        label = f"largest displacement, at {word(dataset)} {number(float(dataset[name].values[most]))} {unit}"
+        ax.plot([], [], color=colours[frames == most][0], linewidth=1.6 * style.LINE, label=label)
     factor = set_scale(ax, position, [*(path for _, path in paths), *bodies])
     height = "z (m)" if factor == 1.0 else f"z (m), drawn {factor:g} times as high"
     style.dress(ax, "Shapes", "x (m)", height)
