@@ -7,7 +7,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 import ropewalk
-from ropewalk.results.views import shapes
+from ropewalk.results.shape_views import shapes
 
 HERE = Path(__file__).parent
 

@@ -33,6 +33,7 @@ from ropewalk.results.contact_summary import limits_of
 from ropewalk.results.course import courses, on_lines, on_strips, transitions
 from ropewalk.results.frame import Array
 from ropewalk.results.limits import FAIL, Judgement
+from ropewalk.results.shape_views import bar
 from ropewalk.results.table import ROUND_OFF
 
 if TYPE_CHECKING:
@@ -268,11 +269,7 @@ def _droppers(ax: Axes, lines: dict[str, LineStatistics]) -> None:
     )
     if loose.any():
         ax.plot(station[loose], low[loose], color=style.RED, markerfacecolor="white", **dots, label="slackens")
-    bar = ax.figure.colorbar(ScalarMappable(scale, shades), ax=ax, fraction=0.03, pad=0.01, aspect=18)
-    bar.set_label("time slack (%)", fontsize=style.LABEL, color=style.INK)
-    bar.ax.yaxis.set_major_formatter(PercentFormatter(1.0, symbol=""))
-    bar.ax.tick_params(labelsize=style.TICK, colors=style.INK, width=0.6, length=3)
-    bar.outline.set_visible(False)
+    bar(ax, ScalarMappable(scale, shades), "time slack (%)").yaxis.set_major_formatter(PercentFormatter(1.0, symbol=""))
     style.legend(ax)
 
 

@@ -24,7 +24,8 @@ from ropewalk.results.nets import is_spatial
 from ropewalk.results.page import Page
 from ropewalk.results.response_views import VIEWS_OF_PLACES, seen_at_places, with_first_axles
 from ropewalk.results.ropeway_views import VIEWS_OF_CARRIAGES, seen_of_carriages
-from ropewalk.results.space_figure import is_long, plan, space
+from ropewalk.results.shape_views import plan
+from ropewalk.results.space_figure import is_long, space
 from ropewalk.results.table import NOTHING, ROUND_OFF
 from ropewalk.results.trains import grouped_contacts
 from ropewalk.results.views import VIEWS, any_of, headline

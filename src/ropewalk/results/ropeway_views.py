@@ -10,7 +10,8 @@ import numpy as np
 from ropewalk.results import style
 from ropewalk.results.frame import Array
 from ropewalk.results.ropeway import courses
-from ropewalk.results.views import Curve, colour_of, draw_curves, finish_loads, path_label
+from ropewalk.results.shape_views import colour_of
+from ropewalk.results.views import Curve, draw_curves, finish_loads, path_label
 
 if TYPE_CHECKING:
     import xarray as xr

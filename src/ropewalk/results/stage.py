@@ -26,7 +26,8 @@ from ropewalk.results.frame import Array
 from ropewalk.results.meter import Meter
 from ropewalk.results.picture import AROUND
 from ropewalk.results.scene import LONG
-from ropewalk.results.space_figure import HEIGHT, MESH, NET, ROPE, bar, shading
+from ropewalk.results.shape_views import HEIGHT, NET, ROPE, bar, shading
+from ropewalk.results.space_figure import MESH
 from ropewalk.results.tempo import Tempo
 
 if TYPE_CHECKING:

@@ -6,25 +6,18 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.cm import ScalarMappable
-from matplotlib.collections import LineCollection
-from matplotlib.colors import Normalize
-from matplotlib.markers import CARETUP
-from numpy.typing import NDArray
 
 from ropewalk.results import style
 from ropewalk.results.audit import AUDIT, rounding, turnover
 from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contract import path_name
 from ropewalk.results.display_units import number
-from ropewalk.results.drawn import drawn_position
-from ropewalk.results.drawn_bodies import drawn_bodies
 from ropewalk.results.frame import ENERGY_FORMS, Array
-from ropewalk.results.nets import line_ends, most_deflected, net_names
+from ropewalk.results.nets import net_names
+from ropewalk.results.shape_views import POINTS, SHAPES, colour_of, instants_bar, shapes, word
 from ropewalk.results.statistics import blocks, lines
 from ropewalk.results.strength import strengths
 from ropewalk.results.table import ENERGY_LABELS, LARGEST, percent
-from ropewalk.results.ties import tied, ties
 from ropewalk.results.trains import grouped_contacts
 
 if TYPE_CHECKING:
@@ -32,110 +25,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SHAPES = 7  # instants drawn
 CURVES = 7  # more than these make a view unreadable
-POINTS = 2000  # most points drawn of one curve
 SEEN = 0.005  # of the largest value in a panel: what is no larger cannot be told from zero
 REACH = 2.0  # times the largest value: limits beyond this are named only
 LIMIT: Any = {"color": style.RED, "linewidth": 1.2, "linestyle": (0, (6, 2)), "zorder": 1}  # look of a limit
 Curve = tuple[str, Array, dict[str, Any]]  # label, values (instant,), look
-FLATTEST = 0.14  # flatter shapes than this (height to width) are drawn with exaggerated heights
-
-
-def shapes(dataset: xr.Dataset, ax: Axes, instants: int = SHAPES) -> None:
-    """Draw side views of the lines at several instants (early to late) with the paths of the loads and their bodies.
-
-    Lengths and heights have one scale, unless the shape is so flat that nothing could be seen: then the heights
-    are exaggerated by a round number, which the label states.
-    """
-    name = path_name(dataset)
-    frames = np.union1d(style.thinned(dataset.sizes[name], instants - 1), [most := most_deflected(dataset)])
-    chosen = dataset.isel({name: frames})
-    position = drawn_position(chosen)
-    colours = style.colours(style.INSTANTS)(np.linspace(0.0, 1.0, max(len(frames), 2)))
-    for line in lines(dataset):
-        here = np.flatnonzero(dataset["line"].values == line)
-        here = here[style.thinned(len(here), POINTS)]
-        x, z = position[:, here, 0], position[:, here, -1]
-        for k in range(len(frames)):
-            label = _instant(dataset, line, frames[k])
-            width = style.LINE * (1.6 if frames[k] == most and len(frames) > 2 else 1.0)
-            ax.plot(x[k], z[k], color=colours[k], linewidth=width, label=label)
-        ends: dict[str, Any] = {
-            "marker": CARETUP,
-            "color": style.INK,
-            "markersize": style.sized(8),
-            "linestyle": "none",
-            "zorder": 4,
-        }
-        restrained = dataset["position"][frames[0]].isel(node=line_ends(dataset, line)).values
-        if len(restrained):
-            ax.plot(restrained[:, 0], restrained[:, -1], **ends, clip_on=False)
-    paths = contact_curves(dataset)
-    for k, (load, path) in enumerate(paths):
-        label = f"path of {load}"
-        ax.plot(
-            path[:, 0],
-            path[:, -1],
-            color=load_colour(dataset, k),
-            linewidth=style.LINE,
-            linestyle=(0, (1, 1.2)),
-            label=label,
-        )
-        there = dataset["contact_position"][:, k].isel({name: frames}).values
-        ax.scatter(
-            there[:, 0],
-            there[:, -1],
-            c=colours[: len(frames)],
-            s=style.sized(style.sized(26)),
-            zorder=5,
-            edgecolors="white",
-            linewidths=0.7,
-        )
-    bodies = _draw_bodies(dataset, ax, frames, colours)
-    values, unit = dataset[name].values[frames], dataset[name].attrs["units"]
-    if len(frames) > 2:
-        label = f"largest displacement, at {word(dataset)} {number(float(dataset[name].values[most]))} {unit}"
-        ax.plot([], [], color=colours[frames == most][0], linewidth=1.6 * style.LINE, label=label)
-    factor = set_scale(ax, position, [*(path for _, path in paths), *bodies])
-    height = "z (m)" if factor == 1.0 else f"z (m), drawn {factor:g} times as high"
-    style.dress(ax, "Shapes", "x (m)", height)
-    if len(frames) > 1:
-        instants_bar(ax, values, f"{word(dataset)} ({unit})")
-    style.legend(ax)
-
-
-def _instant(dataset: xr.Dataset, line: str, frame: int) -> str:
-    """Name of a curve at an instant, which has a colour bar instead of an entry in the legend."""
-    name = path_name(dataset)
-    return f"_{line} at {word(dataset)} {number(float(dataset[name].values[frame]))} {dataset[name].attrs['units']}"
-
-
-def _draw_bodies(dataset: xr.Dataset, ax: Axes, frames: NDArray[np.intp], colours: Any) -> list[Array]:
-    """Draw payloads, sprung masses and people at some instants, tied to their contacts; gives their paths."""
-    if not dataset.sizes["body"]:
-        return []
-    every, kept = drawn_bodies(dataset)[..., [0, -1]], dataset["body_position"].values[..., -1]
-    raised = np.nanmax(every[..., 1] - kept, axis=0, initial=0.0) > 0.0
-    spots = dataset["contact_position"].values[..., [0, -1]]
-    pairs = ties(dataset)
-    for frame, colour in zip(frames, colours, strict=False):
-        segments = tied(every[frame], spots[frame], pairs)
-        ax.add_collection(LineCollection(list(segments), colors=[colour], linewidths=style.THIN), autolim=False)
-    for i, body in enumerate(dataset["body"].values.tolist()):
-        ax.plot(
-            every[:, i, 0], every[:, i, 1], color=style.FAINT, linewidth=style.THIN, linestyle=(0, (4, 1.5)),
-            label=f"path of {body}{', raised above its wheels' if raised[i] else ''}", zorder=1,
-        )  # fmt: skip
-        ax.scatter(
-            every[frames, i, 0],
-            every[frames, i, 1],
-            c=colours[: len(frames)],
-            s=style.sized(style.sized(30)),
-            marker="s",
-            zorder=5,
-        )
-    return [every[:, i] for i in range(dataset.sizes["body"])]
 
 
 def tension(dataset: xr.Dataset, ax: Axes) -> None:
@@ -324,7 +218,8 @@ def tension_along(dataset: xr.Dataset, ax: Axes, instants: int = SHAPES) -> None
         here = here[style.thinned(len(here), POINTS)]
         values = dataset["tension"].isel({name: frames, "link": here}).values
         for k in range(len(frames)):
-            curve = {"color": colours[k], "linewidth": style.LINE, "label": _instant(dataset, line, frames[k])}
+            when = f"{word(dataset)} {number(float(dataset[name].values[frames[k]]))} {dataset[name].attrs['units']}"
+            curve = {"color": colours[k], "linewidth": style.LINE, "label": f"_{line} at {when}"}
             ax.plot(dataset["link_xi"].values[here], values[k], **curve)
     style.dress(ax, "Tension along the line", "material coordinate xi (m)", "tension (N)")
     if len(frames) > 1:
@@ -350,34 +245,6 @@ VIEWS = {
 }
 
 
-def set_scale(
-    ax: Axes, position: xr.DataArray | Array, paths: list[Array], space: float = 0.08, flattest: float = FLATTEST
-) -> float:
-    """Give x and z one scale, or exaggerate z by a round number if all is too flat.
-
-    Args:
-        ax: axes to set.
-        position: positions (frame, node, axis) in m that must be in view.
-        paths: further curves (frame, axis) in m.
-        space: free height above and below, in heights of the picture.
-        flattest: least height to width that is left as it is.
-
-    Returns:
-        The exaggeration, 1 for a true picture.
-    """
-    last = position.shape[-1] - 1
-    points = np.concatenate([np.asarray(position).reshape(-1, last + 1)[:, [0, last]], *(p[:, [0, -1]] for p in paths)])
-    points = points[np.isfinite(points).all(axis=1)]
-    width, height = np.ptp(points[:, 0]), np.ptp(points[:, 1])
-    flat = height < flattest * width
-    factor = style.nice(2 * flattest * width / height) if flat and height > 1e-9 * width else 1.0
-    ax.update_datalim(points)
-    ax.margins(0.03, space)
-    ax.autoscale_view()
-    ax.set_aspect(max(factor, 1.0), adjustable="datalim")
-    return max(factor, 1.0)
-
-
 def headline(fig: Figure, dataset: xr.Dataset) -> None:
     """Write the title of a result above a figure, and how it ended if it did not complete."""
     outcome = dataset.attrs.get("outcome", "")
@@ -386,24 +253,9 @@ def headline(fig: Figure, dataset: xr.Dataset) -> None:
     fig.suptitle(title, fontsize=style.TITLE + 2, color=style.INK, fontweight="bold", x=0.01, ha="left")
 
 
-def word(dataset: xr.Dataset) -> str:
-    """What the leading dimension is called."""
-    return path_name(dataset).replace("_", " ")
-
-
 def path_label(dataset: xr.Dataset) -> str:
     """The label of axes of the leading dimension."""
     return f"{word(dataset)} ({dataset[path_name(dataset)].attrs['units']})"
-
-
-def colour_of(k: int) -> str:
-    """Colour of the k-th of several things."""
-    return style.CYCLE[(k + 1) % len(style.CYCLE)]
-
-
-def load_colour(dataset: xr.Dataset, k: int) -> str:
-    """Colour of the path of a load: that of loads where it is alone."""
-    return style.LOAD if dataset.sizes["contact"] == 1 else colour_of(k)
 
 
 def any_of(dataset: xr.Dataset, name: str) -> bool:
@@ -450,12 +302,6 @@ def _row_max(values: Array) -> Array:
     return out
 
 
-def contact_curves(dataset: xr.Dataset) -> list[tuple[str, Array]]:
-    """Loads with their paths (frame, axis), m."""
-    loads = dataset["load"].values.tolist()
-    return [(load, dataset["contact_position"][:, k].values) for k, load in enumerate(loads)]
-
-
 def _components(dataset: xr.Dataset, ax: Axes, force: xr.DataArray, names: list[str]) -> None:
     """Draw the components of forces (frame, name, axis), those that matter; of many forces their sizes."""
     values, axes = force.values, dataset["axis"].values.tolist()
@@ -481,12 +327,3 @@ def finish_loads(dataset: xr.Dataset, ax: Axes) -> None:
         ax.text(0.5, 0.5, note, **place, fontsize=style.LABEL, color=style.FAINT)
         ax.set_yticks([])
     style.legend(ax)
-
-
-def instants_bar(ax: Axes, values: Array, label: str) -> None:
-    """A bar that tells the colours of the instants."""
-    mappable = ScalarMappable(Normalize(float(values[0]), float(values[-1])), style.colours(style.INSTANTS))
-    bar = ax.figure.colorbar(mappable, ax=ax, fraction=0.03, pad=0.01, aspect=25)
-    bar.set_label(label, fontsize=style.LABEL, color=style.INK)
-    bar.ax.tick_params(labelsize=style.TICK, colors=style.INK, width=0.6, length=3)
-    bar.outline.set_visible(False)
