@@ -32,7 +32,7 @@ export function diagram(
   const up = (value: number) => top + scale * (quantity.down ? value - low : high - value);
   ink.textAlign = "right";
   ink.lineWidth = 1;
-  for (const value of ticks(low, high, 3)) {
+  for (const value of ticks(low, high, 4)) {
     ink.strokeStyle = colour(value === 0 ? "--faint" : "--grid");
     ink.beginPath();
     ink.moveTo(place.left, up(value));

@@ -1,7 +1,8 @@
 import type { ByHand } from "./byhand";
 import { type Connection, Latest } from "./connection";
-import type { Frame } from "./film";
-import { element } from "./player";
+import { Film, type Frame } from "./film";
+import type { Message } from "./messages";
+import { element, viewOf } from "./player";
 import type { Scene, Stage, View } from "./stage";
 import { written } from "./units";
 
@@ -37,6 +38,13 @@ interface Told {
   released: (pose: Pose) => void;
 }
 
+/** The frame of a message that has one alone, with its description. */
+function sceneOf({ head, arrays }: Message): Scene {
+  const { layout, picture, state } = head as unknown as Scene;
+  const frame: Frame = Object.fromEntries(Object.entries(arrays).map(([name, { values }]) => [name, values]));
+  return { layout, picture, state, frame, reference: frame.reference, ghost: frame.ghost };
+}
+
 const NEAR = 22; // pixels
 const WIDTH = 0.01; // m, of a line that has told none, in the wind that is made by hand
 
@@ -67,13 +75,17 @@ export class Drag {
   }
 
   /** Take up a scenario that the server has made ready. */
-  begin(head: Record<string, unknown>, contact = ""): void {
+  begin(message: Message, contact = ""): void {
+    const { head, arrays } = message;
     this.loads = head.loads as Load[];
     this.gravity = head.gravity as number;
     this.take(this.loads[0], contact);
     if (!this.load) {
       this.stage.hint = "Run shows this scenario.";
-      this.stage.show(undefined);
+      const film = head.picture ? new Film(message) : undefined;
+      film?.add({ head, arrays: { ...arrays, path: { shape: [1], values: Float32Array.of(0) } } });
+      if (film) this.stage.show({ ...sceneOf(message), orbits: true }, viewOf(film, film.state.factor));
+      else this.stage.show(undefined);
       const why = "Nothing here can be dragged: forces and masses on lines can. Run it instead.";
       this.place.replaceChildren(element("p", { class: "hint" }, why));
     }
@@ -118,16 +130,14 @@ export class Drag {
 
   /** Ask, and show the answer with the next frame; the next question does not wait for that. */
   private async ask(pose: Pose, since: number): Promise<void> {
-    const { head, arrays } = await this.server.ask("pose", { pose });
+    const message = await this.server.ask("pose", { pose });
+    const { head } = message;
     if (!this.load || this.pose?.load !== pose.load) return;
     if (head.error || head.problems) {
       this.told.failed(String(head.error ?? (head.problems as { message: string }[])[0]?.message));
       return;
     }
-    const frame: Frame = {};
-    for (const [name, { values }] of Object.entries(arrays)) frame[name] = values;
-    const { layout, picture, state } = head as unknown as Pick<Scene, "layout" | "picture" | "state">;
-    const scene: Scene = { layout, picture, state, frame, reference: frame.reference, ghost: frame.ghost };
+    const scene = sceneOf(message);
     this.view ??= this.room(scene);
     this.fit(scene);
     this.stage.show(scene, this.view);

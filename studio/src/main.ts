@@ -310,12 +310,13 @@ async function prepare(contact = ""): Promise<void> {
   player.leave();
   player.bar.hidden = true;
   stage.doubted = [];
-  const { head } = await server.ask("prepare", { text: editor.text, name: file.name || "scenario.yaml" });
+  const message = await server.ask("prepare", { text: editor.text, name: file.name || "scenario.yaml" });
+  const { head } = message;
   if (turn !== prepared) return; // another one, or a run, has begun since
   if (head.problems) return tell("the scenario has mistakes: see Text", true);
   if (head.error) return tell(String(head.error), true);
   tell(String(head.title));
-  dragging.begin(head, contact);
+  dragging.begin(message, contact);
 }
 
 drag.onclick = () => {

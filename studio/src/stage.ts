@@ -33,7 +33,7 @@ export interface Choices {
   arrows: boolean;
 }
 
-const MARGIN = { left: 80, right: 80, top: 64, bottom: 40 };
+const MARGIN = { left: 80, right: 80, top: 76, bottom: 40 };
 const EDGE = { left: 48, right: 24 }; // of axes and diagrams
 const ROW = [64, 118]; // pixels, least and most height of a diagram
 const LABELLED = 12; // most forces that are drawn
@@ -213,7 +213,7 @@ export class Stage {
     if (ghost?.length) this.line(ghost, 0, ghost.length / layout.axes.length, colour("--ghost"), [7, 5]);
     if (beside) {
       for (const [, first, count] of this.camera ? [] : beside.layout.nodes)
-        this.line(beside.frame.position, first, count, colour("--beside"), [], 2, beside.reference);
+        this.line(beside.frame.position, first, count, colour("--beside"), [], 3, beside.reference);
       this.symbols(beside, { ink, colour: () => colour("--beside") });
     }
     this.symbols(scene, this.pen, true);
@@ -408,7 +408,7 @@ export class Stage {
     const flat = Math.hypot(right, up) || 1;
     const way: Spot = [right / flat, -up / flat];
     const along = seen ? flat / size : 1; // what of it is not along the line of sight
-    const length = Math.max(along * Math.min(Math.max((size * 70) / (this.view.force || 1), 14), 100), 14);
+    const length = Math.max(along * Math.min(Math.max((size * 50) / (this.view.force || 1), 14), 60), 14);
     if (along > 0.2) this.arrow(at, way, length, stroke);
     else {
       ink.strokeStyle = stroke; // it points at who looks, or away

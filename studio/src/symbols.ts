@@ -74,7 +74,11 @@ function vehicle({ ink, colour, metre }: Surface, wheels: Spot[]): void {
   const [a, b] = [sorted[0], sorted[sorted.length - 1]];
   const long = Math.hypot(b[0] - a[0], b[1] - a[1]);
   const [c, s] = long > 0 ? [(b[0] - a[0]) / long, (b[1] - a[1]) / long] : [1, 0];
-  const [radius, high, over] = [between(0.45 * metre, 2.5, 7), between(3 * metre, 14, 40), Math.max(0.1 * long, 7)];
+  const [radius, high, over] = [
+    between(0.45 * metre, 2.5, 7),
+    between(3 * metre, 14, 40),
+    sorted.length > 1 ? Math.max(0.1 * long, 7) : 20,
+  ];
   const spot = (along: number, up: number): Spot => [a[0] + along * c + up * s, a[1] + along * s - up * c];
   const base = 1.7 * radius;
   ink.beginPath();
@@ -143,8 +147,8 @@ function pantograph({ ink }: Surface, heads: Spot[]): void {
   ink.fillRect(x - 14, z + 43, 28, 5);
 }
 
-function mass({ ink }: Surface, contacts: Spot[], bodies: Spot[], { kind }: Mark): void {
-  for (const spot of contacts) dot(ink, spot, kind === "force" ? 4.5 : 6.5);
+function mass({ ink }: Surface, contacts: Spot[], bodies: Spot[]): void {
+  for (const spot of contacts) dot(ink, spot, 6.5);
   for (const spot of bodies) dot(ink, spot, 4);
 }
 

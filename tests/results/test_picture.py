@@ -100,7 +100,9 @@ def test_contacts_are_on_the_exaggerated_line(crossed: Any) -> None:
     arrays = picture.add(crossed)
     there = np.isfinite(arrays["contact_position"]).all(axis=-1)
     assert there.any()
-    np.testing.assert_allclose(arrays["contact_reference"][there][:, 1], 0.0, atol=1e-12)
+    np.testing.assert_allclose(
+        arrays["contact_reference"][there][:, 1], 0.0, atol=1e-4
+    )  # of 5 mm: nodes lie on a curve
 
 
 def test_wheels_of_a_train_keep_their_distances_before_and_behind_the_bridge(crossed: Any) -> None:

@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ropewalk.results.frame import Layout
-from ropewalk.studio.messages import described, packed
+from ropewalk.results.frame import Contacts, Layout
+from ropewalk.results.labelled import of_frames
 from ropewalk.studio.share import PAGE
+from ropewalk.studio.streams import of_result
 from studio_browser import FRONT, LACKING, NODE
 
 MODULE = PAGE / "widget-space" / "widget.js"
@@ -23,9 +24,9 @@ N, M = 12, 8  # cells of the net along its sides of 6 m and 4 m
 
 def written(file: Path, layout: Layout, **arrays: Any) -> Path:
     """The state of a widget with these frames, at 0 s, 0.5 s and 1 s."""
-    head = {"event": "layout", "layout": described(layout), "energies": [], "total": 3, "step": 1}
+    still = Contacts(3, len(layout.contact_load), 3).fields() | {"body_position": np.zeros((3, 0, 3))}
     several = {name: np.asarray(array, dtype=float) for name, array in arrays.items()}
-    messages = [packed(head, {}), packed({"event": "frames"}, {"path": np.array([0.0, 0.5, 1.0]), **several})]
+    messages = [*of_result(of_frames(layout, np.array([0.0, 0.5, 1.0]), {**still, **several}, {}), {})]
     ended = {"title": file.stem, "outcome": "completed", "summary": "by hand", "doubts": []}
     texts = [base64.b64encode(message).decode() for message in messages]
     state = {"messages": texts, "ended": ended, "beside_messages": [], "beside_ended": {}, "height": 700}
@@ -34,8 +35,7 @@ def written(file: Path, layout: Layout, **arrays: Any) -> Path:
 
 
 def layout(node_line: tuple[str, ...], link_line: tuple[str, ...], **more: Any) -> Layout:
-    zero = np.zeros(0)
-    return Layout(("x", "y", "z"), node_line, zero, link_line, zero, **more)
+    return Layout(("x", "y", "z"), node_line, np.zeros(len(node_line)), link_line, np.zeros(len(link_line)), **more)
 
 
 def net(file: Path) -> Path:
@@ -48,7 +48,8 @@ def net(file: Path) -> Path:
     tension = np.linspace(100.0, 900.0, 2 * N * M)
     load = np.array([[3.0, 2.0, -t] for t in (0.0, 0.5, 1.0)])
     return written(
-        file, layout(("net",) * u.size, (), contact_load=("person",), support=("net.edge",), cell=tuple(cells)),
+        file, layout(("net",) * u.size, (), contact_load=("person",), support=("net.edge",), cell=tuple(cells),
+                     cell_net=("net",) * len(cells)),
         position=position, cell_tension=[np.column_stack((tension, tension / 2))] * 3, reaction=np.zeros((3, 1, 3)),
         contact_position=load[:, None], contact_force=np.tile([0.0, 0.0, -800.0], (3, 1, 1)),
         hold_force=np.zeros((3, 1, 3)),

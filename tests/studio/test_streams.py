@@ -9,25 +9,30 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ropewalk.results.frame import Layout
+from ropewalk.results.frame import Contacts, Layout
+from ropewalk.results.labelled import of_frames
 from ropewalk.studio import streams
 from ropewalk.studio.share import filled
 from studio_server import unpacked
 
 FRAMES, NODES = 11, 3
-LAYOUT = Layout(("x", "z"), ("rope",) * NODES, np.zeros(0), ("rope",) * (NODES - 1), np.zeros(0), (), ())
+LINKS = NODES - 1
+LAYOUT = Layout(("x", "z"), ("rope",) * NODES, np.arange(NODES), ("rope",) * LINKS, np.zeros(LINKS), (), ())
 PATH = np.arange(FRAMES) / 8.0
 POSITION = np.arange(FRAMES * NODES * 2, dtype=float).reshape(FRAMES, NODES, 2)
 
 
-@pytest.mark.parametrize(("most", "kept"), [(10**9, slice(None)), (140, slice(None, None, 2))])
+@pytest.mark.parametrize(("most", "kept"), [(10**9, slice(None)), (500, slice(None, None, 2))])
 def test_every_frame_comes_once_and_the_first_one_alone(
     monkeypatch: pytest.MonkeyPatch, most: int, kept: slice
 ) -> None:
     """Of what is too large, every second one."""
     monkeypatch.setattr(streams, "MOST_BYTES", most)
     monkeypatch.setattr(streams, "_BLOCK_BYTES", 4 * 24)  # four frames
-    head, *blocks = map(unpacked, streams.film(LAYOUT, PATH, {"position": POSITION}, {"id": 7}))
+    still = Contacts(FRAMES, 0, 2).fields()
+    others = {"body_position": np.zeros((FRAMES, 0, 2)), "tension": np.zeros((FRAMES, LINKS))}
+    result = of_frames(LAYOUT, PATH, {"position": POSITION, **others, **still}, {})
+    head, *blocks = map(unpacked, streams.of_result(result, {"id": 7}))
     assert head[0] | {"id": 7, "event": "layout", "total": FRAMES} == head[0]
     assert blocks[0][1]["path"].tolist() == [0.0]
     for name, values in (("path", PATH), ("position", POSITION)):

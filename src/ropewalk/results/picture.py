@@ -73,20 +73,24 @@ class Picture:
 
     Args:
         dataset: a result, or the first frames of it.
+        is_static: whether displacements of beams are measured from straight lines, as of an equilibrium, rather than
+            from the first frame.
     """
 
-    def __init__(self, dataset: xr.Dataset) -> None:
+    def __init__(self, dataset: xr.Dataset, is_static: bool = False) -> None:
         scenario = scenario_of(dataset)
         self.lines = list(dict.fromkeys(dataset["line"].values.tolist()))
         self.is_spatial = is_spatial(dataset)
         self.beams = _beams(scenario, self.lines)
         self.is_overhead = scenario is not None and bool(scenario.overhead_lines)
         self.colour: Quantity | None = self._colour(dataset, scenario)
-        self.diagrams = self._diagrams(scenario)
-        self.reference = self._reference(dataset, scenario)
+        self.diagrams = self._diagrams()
+        self.reference = np.array(dataset["position"].values[0], dtype=float)
+        if is_static or (scenario is not None and scenario.run.kind == "equilibrium"):
+            self._straighten(dataset)
         self.symbols: list[Symbol] = symbols_of(dataset, scenario, self.reference)
         self.ranges: dict[str, tuple[float, float]] = {}
-        self._scenario, self._wheels = scenario, Wheels(dataset, scenario)
+        self._wheels = Wheels(dataset, scenario)
         self._loads, self._ties = declared(dataset, "loads"), ties(dataset)
         self._displaced, self._low = 0.0, np.full(dataset.sizes["axis"], np.nan)
         self._high = self._low
@@ -108,33 +112,28 @@ class Picture:
             return Quantity("deflection", "deflection", "m", "node", down=True)
         return TENSION
 
-    def _diagrams(self, scenario: Scenario | None) -> list[Quantity]:
+    def _diagrams(self) -> list[Quantity]:
         if self.is_overhead:
             wires = tuple(line for line in self.lines if line.endswith(".contact"))
             return [Quantity("uplift", "uplift of the contact wire", "m", "node", wires)]
         if self.colour is None or self.colour.name != "deflection":
             return []
-        drawn = tuple(self.beams) or tuple(self.lines)
-        bending = (
-            [Quantity("moment", "bending moment", "N*m", "node", tuple(self.beams), down=True)] if self.beams else []
-        )
-        return [Quantity("deflection", "deflection", "m", "node", drawn, down=True), *bending]
+        beams = tuple(self.beams)
+        bending = [Quantity("moment", "bending moment", "N*m", "node", beams, down=True)] if beams else []
+        return [Quantity("deflection", "deflection", "m", "node", beams or tuple(self.lines), down=True), *bending]
 
-    def _reference(self, dataset: xr.Dataset, scenario: Scenario | None) -> Array:
-        """Return the positions (node, axis) that displacements are measured from, m.
-
-        These are the first ones, as for deflections in results; beams of an equilibrium have straight ones instead.
-        """
-        reference = np.array(dataset["position"].values[0], dtype=float)
-        if scenario is None or getattr(scenario.run, "kind", "") != "equilibrium":
-            return reference
+    def _straighten(self, dataset: xr.Dataset) -> None:
+        """Measure the displacements of beams from straight lines between their ends."""
+        reference = self.reference
         for name in self.beams:
             own = np.flatnonzero(dataset["line"].values == name)
             part = (dataset["xi"].values[own] / max(float(dataset["xi"].values[own[-1]]), 1e-12))[:, None]
             reference[own] = (1.0 - part) * reference[own[0]] + part * reference[own[-1]]
-        return reference
 
-    # -- Frames ------------------------------------------------------------------------------------------------------
+    @property
+    def quantities(self) -> dict[str, Quantity]:
+        """The quantities of diagrams and colours, by name."""
+        return {q.name: q for q in (*self.diagrams, self.colour) if q is not None}
 
     def add(self, dataset: xr.Dataset) -> dict[str, Array]:
         """Return the arrays to draw of some frames, and extend ranges and factors by them.
@@ -151,8 +150,7 @@ class Picture:
         arrays: dict[str, Array] = {"position": position, **self._references(dataset, position)}
         if self._wheels.trains:
             arrays["wheel_position"] = self._wheels.places(dataset)
-        quantities = {q.name: q for q in (*self.diagrams, *([self.colour] if self.colour else ()))}
-        for name in quantities:
+        for name in self.quantities:
             arrays[name] = self._values(dataset, position, name)
             kept = arrays[name][np.isfinite(arrays[name])]
             if kept.size:
@@ -183,18 +181,17 @@ class Picture:
     def _references(self, dataset: xr.Dataset, position: Array) -> dict[str, Array]:
         """Return places of contacts and bodies, and these places without the displacement of their lines."""
         place, xi = dataset["contact_position"].values, dataset["contact_xi"].values
-        moved, names = np.zeros(place.shape), dataset["line"].values
+        moved, names, away = np.zeros(place.shape), dataset["line"].values, position - self.reference
         for k, contact in enumerate(dataset["load"].values.tolist()):
             line, part = line_of(contact, self._loads), contact.rpartition(".")[2]
             wires = (f"{part}.contact", line, f"{line}.contact")  # of a line that overlaps, or the declared one
             own = np.flatnonzero(names == next((wire for wire in wires if wire in self.lines), ""))
             there, at = np.flatnonzero(np.isfinite(xi[:, k])), dataset["xi"].values[own]
-            if own.size < 2 or not there.size or not np.isfinite(at).all():  # nets have no xi
+            if own.size < 2 or not np.isfinite(at).all():  # nets have no xi
                 continue
             i = np.clip(np.searchsorted(at, xi[there, k], side="right") - 1, 0, own.size - 2)
             part = ((xi[there, k] - at[i]) / (at[i + 1] - at[i]))[:, None]
-            reference = (1.0 - part) * self.reference[own[i]] + part * self.reference[own[i + 1]]
-            moved[there, k] = place[there, k] - reference
+            moved[there, k] = (1.0 - part) * away[there, own[i]] + part * away[there, own[i + 1]]
         bodies = dataset["body_position"].values
         shift = np.zeros(bodies.shape)
         for i in {i for i, _ in self._ties}:
@@ -208,12 +205,9 @@ class Picture:
     def _extend(self, dataset: xr.Dataset, position: Array) -> None:
         """Note the extent of the positions (frame, node, axis) of some frames, and the displacements to be visible."""
         names, axes = dataset["line"].values, position.shape[-1]
-        loads = (
-            []
-            if self.beams
-            else [dataset[name].values.reshape(-1, axes) for name in ("contact_position", "body_position")]
-        )
-        points = np.concatenate([np.stack([self._low, self._high]), position.reshape(-1, axes), *loads])
+        loads = () if self.beams else (dataset["contact_position"].values, dataset["body_position"].values)
+        known = np.stack([self._low, self._high])
+        points = np.concatenate([known, *(places.reshape(-1, axes) for places in (position, *loads))])
         self._low, self._high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
         for name in self.beams or self.lines:
             own = np.flatnonzero(names == name)
@@ -223,8 +217,6 @@ class Picture:
                 reference = (1.0 - part) * reference[0] + part * reference[-1]
             away = np.linalg.norm(position[:, own] - reference, axis=-1)
             self._displaced = max(self._displaced, float(np.nanmax(away, initial=0.0)))
-
-    # -- Factors -----------------------------------------------------------------------------------------------------
 
     @property
     def extent(self) -> float:
@@ -260,15 +252,14 @@ class Picture:
 
     def state(self) -> dict[str, Any]:
         """Return what grows with the frames, for messages: `factor`, `height_factor`, and `ranges` by quantity."""
-        quantities = {q.name: q for q in (*self.diagrams, *([self.colour] if self.colour else ()))}
-        ranges = {name: self.range(quantity) for name, quantity in quantities.items()}
+        ranges = {name: self.range(quantity) for name, quantity in self.quantities.items()}
         return {"factor": self.factor, "height_factor": self.height_factor, "ranges": ranges}
 
     def described(self) -> dict[str, Any]:
         """Return what stays the same over all frames, for messages."""
         return {
             "colour": vars(self.colour) if self.colour else None, "diagrams": [vars(q) for q in self.diagrams],
-            "symbols": [symbol.described() for symbol in self.symbols], "is_spatial": self.is_spatial,
+            "symbols": [symbol.described() for symbol in self.symbols],
             "around": AROUND if self.is_overhead else None,
         }  # fmt: skip
 

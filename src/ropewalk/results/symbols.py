@@ -177,13 +177,13 @@ class Wheels:
                 at = {place.label: place.start for place in load.starts()}
                 offsets = [at.get(contacts[k].partition(".")[2], np.nan) for k in own]
                 self.trains.append((str(load.on), own, np.array(offsets)))
-        self._last: dict[str, tuple[float, float, float]] = {}  # instant, advance and speed of each train
+        self._last = [(np.zeros(0), np.zeros(0))] * len(self.trains)  # instants and advances that were known last
 
     def places(self, dataset: xr.Dataset) -> Array:
         """Return the places (frame, contact, axis) of all contacts, m; NaN of trains that are not there yet."""
         place = np.array(dataset["contact_position"].values, dtype=float)
         path, names = dataset[path_name(dataset)].values, dataset["line"].values
-        for line, own, offsets in self.trains:
+        for train, (line, own, offsets) in enumerate(self.trains):
             nodes = np.flatnonzero(names == line)
             if nodes.size < 2 or not np.isfinite(offsets).all():
                 continue
@@ -191,35 +191,20 @@ class Wheels:
             span = float(np.linalg.norm(ends[1] - ends[0]))
             onward = (ends[1] - ends[0]) / span
             along = (place[:, own] - ends[0]) @ onward - offsets
-            advance = self._filled(line + str(own[0]), path, along)
-            lead = offsets + advance[:, None]
-            off = ~np.isfinite(place[:, own, 0])
+            lead = offsets + self._advance(train, path, along)[:, None]
             level = ends[0] + lead[..., None] * onward
             level[..., -1] = np.where(lead <= 0.5 * span, ends[0, -1], ends[1, -1])
-            own_place = place[:, own]
-            own_place[off] = level[off]
-            place[:, own] = own_place
+            place[:, own] = np.where(np.isfinite(place[:, own]), place[:, own], level)
         return place
 
-    def _filled(self, train: str, path: Array, along: Array) -> Array:
-        """Return how far a train has come, (frame,) m; where no wheel is on the line as fast as before."""
+    def _advance(self, train: int, path: Array, along: Array) -> Array:
+        """Return the advance of a train, (frame,) m; at the last speed where no wheel is on the line; NaN: unknown."""
         known = np.isfinite(along).any(axis=1)
-        out = np.full(path.size, np.nan)
-        if known.any():
-            instants = path[known]
-            with np.errstate(invalid="ignore"):
-                values = np.nanmean(along[known], axis=1)
-            speed = (
-                float(np.polyfit(instants, values, 1)[0])
-                if instants.size > 1
-                else self._last.get(train, (0, 0, 0.0))[2]
-            )
-            out = np.interp(path, instants, values)
-            before, after = path < instants[0], path > instants[-1]
-            out[before] = values[0] + speed * (path[before] - instants[0])
-            out[after] = values[-1] + speed * (path[after] - instants[-1])
-            self._last[train] = float(instants[-1]), float(values[-1]), speed
-        elif train in self._last:
-            instant, value, speed = self._last[train]
-            out = value + speed * (path - instant)
-        return out
+        instants = np.append(self._last[train][0], path[known])
+        advances = np.append(self._last[train][1], np.nanmean(along[known], axis=1))
+        self._last[train] = instants[-2:], advances[-2:]
+        if instants.size < 2:
+            return np.where(known, advances[0] if advances.size else np.nan, np.nan)
+        i = np.clip(np.searchsorted(instants, path) - 1, 0, instants.size - 2)
+        slope = (advances[i + 1] - advances[i]) / (instants[i + 1] - instants[i])
+        return np.asarray(advances[i] + slope * (path - instants[i]))

@@ -79,7 +79,7 @@ class Dragging:
         self.scenario = scenario
         self._line: tuple[Any, Any] = (None, None)  # what was asked of a line, and that line
         self._chord: tuple[Any, Chord | None] = (None, None)
-        self.attributes = scenario_attributes(scenario.model_copy(update={"run": Equilibrium()}))
+        self.attributes = scenario_attributes(scenario)
         self._checked: tuple[Any, Any] = (None, None)  # what was asked but the place; that scenario and its load
         self._last: tuple[float, float, float] | None = None  # xi, x where that led, and dx/dxi
 

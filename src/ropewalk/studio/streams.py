@@ -11,7 +11,7 @@ import numpy as np
 
 from ropewalk.results.contract import path_name, run_info_attributes
 from ropewalk.results.display_units import DisplayUnits
-from ropewalk.results.frame import ENERGY_FORMS, Doubt, Layout, RunInfo
+from ropewalk.results.frame import ENERGY_FORMS, Array, Doubt, Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.labelled import of_frames
 from ropewalk.results.line_response import histories
@@ -106,14 +106,25 @@ def of_pose(pose: Pose, attributes: Mapping[str, Any], head: dict[str, Any]) -> 
     """
     frames = Frames.together([pose.frame])
     block = of_frames(pose.layout, frames.path, frames.of, attributes)
-    picture = Picture(block)
-    drawn = {name: array[0] for name, array in picture.add(block).items()}
-    others = {name: frames.of[name][0] for name in DISPLAYED if name in frames.of}
-    state = picture.state() | ({} if picture.beams else {"factor": 1.0})  # of ropes only displacements are drawn larger
-    about = {"layout": described(pose.layout), "picture": picture.described(), "state": state}
-    linear = np.zeros(0) if pose.linear is None else pose.linear
-    arrays = {**drawn, **others, "reference": picture.reference, "ghost": linear}
-    return packed({**head, **about, "xi": pose.xi, "warnings": pose.warnings}, arrays)
+    linear = {} if pose.linear is None else {"ghost": pose.linear}
+    return of_frame(pose.layout, block, {**head, "xi": pose.xi, "warnings": pose.warnings}, **linear)
+
+
+def of_frame(layout: Layout, block: xr.Dataset, head: dict[str, Any], **more: Array) -> bytes:
+    """Return the message of one frame with its description.
+
+    Args:
+        layout: of the frame.
+        block: the frame.
+        head: goes in front.
+        more: further arrays.
+    """
+    picture = Picture(block, is_static=True)
+    drawn = picture.add(block) | {name: block[name].values for name in DISPLAYED if name in block}
+    state = picture.state() | ({} if picture.beams else {"factor": 1.0})  # only the sag of ropes is known
+    about = {"layout": described(layout), "picture": picture.described(), "state": state}
+    arrays = {name: array[0] for name, array in drawn.items()}
+    return packed({**head, **about}, {**arrays, "reference": picture.reference, **more})
 
 
 def _opening(picture: Picture, layout: Layout, total: int, step: int, head: dict[str, Any]) -> bytes:

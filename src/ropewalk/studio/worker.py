@@ -137,9 +137,11 @@ class ComputingProcess:
         names = [*scenario.lines, *scenario.overhead_lines, *scenario.nets, *scenario.loads]
         return {"problems": [], "title": scenario.title, "names": names, "kind": scenario.run.kind}
 
-    def _do_prepare(self, asked: Answer) -> Answer:
-        """A scenario made ready for dragging, with what can be changed by hand."""
+    def _do_prepare(self, asked: Answer) -> Answer | bytes:
+        """A scenario made ready for dragging, with what can be changed by hand; a picture where nothing can be."""
         from ropewalk.studio.poses import KEYS, Dragging, draggable, force_of
+        from ropewalk.studio.preview import preview
+        from ropewalk.studio.streams import of_frame
 
         scenario = self._scenario(asked)
         self._dragging = Dragging(scenario)
@@ -149,7 +151,10 @@ class ComputingProcess:
             line = scenario.lines[load.on]
             kept = {key: getattr(line, key) for key in KEYS}
             found.append({"name": name, "on": load.on, "force": force_of(scenario, name), "line": kept})
-        return {"title": scenario.title, "loads": found, "gravity": scenario.gravity}
+        head = {"title": scenario.title, "loads": found, "gravity": scenario.gravity}
+        if found or (declared := preview(scenario)) is None:
+            return head
+        return of_frame(*declared, {"id": asked["id"], **head})
 
     def _asked(self, asked: Answer) -> Asked:
         from ropewalk.studio.poses import Asked
