@@ -75,7 +75,7 @@ def paths(dataset: xr.Dataset, chosen: Chosen) -> list[tuple[str, Array, dict[st
     found = [(f"path of {body}", chosen.bodies[:, i], dashed) for i, body in enumerate(bodies)]
     found += [(f"path of {load}", chosen.contacts[:, k], {**dotted, "color": load_colour(dataset, k)})
               for k, load in enumerate(loads)]  # fmt: skip
-    return [entry for entry in found if np.isfinite(entry[1]).any()]
+    return [entry for entry in found if np.isfinite(entry[1]).all(axis=-1).any()]
 
 
 def shapes(dataset: xr.Dataset, ax: Axes, instants: int = SHAPES) -> None:
