@@ -41,17 +41,17 @@ class FlatView:
     Args:
         panel: axes to set.
         corners: least and largest places to be in view, (3,) m.
-        room: pixels above and below these.
+        clearance: pixels above and below these.
     """
 
-    def __init__(self, panel: Axes, corners: Corners, room: tuple[float, float]) -> None:
-        self._panel, self._corners, self._room, self.shift = panel, corners, room, 0.0
+    def __init__(self, panel: Axes, corners: Corners, clearance: tuple[float, float]) -> None:
+        self._panel, self._corners, self._clearance, self.shift = panel, corners, clearance, 0.0
         panel.set_xlim(corners[0][0], corners[1][0])
         self.note, self.stretch = "", np.ones(3)
 
     def settle(self) -> None:
         """Set the limits, with one scale for lengths and heights, once the panel has its size."""
-        box, (low, high), (above, below) = self._panel.get_window_extent(), self._corners, self._room
+        box, (low, high), (above, below) = self._panel.get_window_extent(), self._corners, self._clearance
         wide, tall = high[0] - low[0], max(high[2] - low[2], 1e-9)
         self.scale = min(box.width / wide, max(box.height - above - below, 0.3 * box.height) / tall)
         aside = 0.5 * (box.width / self.scale - wide)
@@ -74,7 +74,7 @@ class SpaceView:
 
     shift = 0.0
 
-    def __init__(self, panel: Axes, corners: Corners, room: tuple[float, float]) -> None:
+    def __init__(self, panel: Axes, corners: Corners, clearance: tuple[float, float]) -> None:
         self._scene = Scene(panel, np.stack(corners))
         self.note, self.stretch = self._scene.note, self._scene.factor
 

@@ -131,7 +131,7 @@ def _pantograph(brush: Brush, symbol: Symbol, heads: Array, bodies: Array) -> No
         brush.box(top - [0.0, 3.0 * size], np.array([1.0, 0.0]), 18.0 * size, 3.0 * size, style.INK)
 
 
-def _person(brush: Brush, symbol: Symbol, feet: Array, bodies: Array) -> None:
+def _pedestrian(brush: Brush, symbol: Symbol, feet: Array, bodies: Array) -> None:
     """A person who stands on the line with the feet that touch it."""
     if len(feet):
         foot, size = feet.mean(axis=0), _FIGURE * brush.size
@@ -185,6 +185,6 @@ def _place(brush: Brush, symbol: Symbol, spots: Array, bodies: Array) -> None:
 
 _SHAPES: dict[str, Callable[[Brush, Symbol, Array, Array], None]] = {
     "coach": _vehicle, "vehicle": _vehicle, "trolley": _hanging, "cabin": _hanging, "pantograph": _pantograph,
-    "person": _person, "mass": _mass, "force": _mass, "tower": _post, "sheave": _post, "saddle": _post,
+    "person": _pedestrian, "mass": _mass, "force": _mass, "tower": _post, "sheave": _post, "saddle": _post,
     "bearing": _post, "place": _place,
 }  # fmt: skip

@@ -24,6 +24,7 @@ from ropewalk.results.film_panels import MARGIN, Diagram, FlatView, ForceTrack, 
 from ropewalk.results.film_symbols import SPACE, Brush, draw_symbol
 from ropewalk.results.frame import Array
 from ropewalk.results.meter import Meter
+from ropewalk.results.nets import in_space
 from ropewalk.results.picture import AROUND
 from ropewalk.results.scene import LONG
 from ropewalk.results.shape_views import HEIGHT, NET, ROPE, bar, shading
@@ -41,7 +42,6 @@ SPATIAL = (560, 460)  # pixels: the same in space, and where it is long
 DIAGRAM, FORCES, REST = 105, 150, 70  # pixels: of a diagram, of contact forces, of titles and labels
 ARROW = 60.0  # pixels, of the largest force
 ASIDE = 0.18  # of the length of a bridge: ground at both ends
-APART = 150.0  # m: pantographs further apart are not followed together
 TEXT_LINES = 3  # forces for which there is space above the lines
 TRACED = 3  # loads whose paths are drawn
 TRACES = ("force", "mass", "person", "trolley")  # kinds of symbols with paths
@@ -118,15 +118,9 @@ class Stage:
         there = np.flatnonzero(np.isfinite(x).any(axis=1))
         if not there.size:
             return np.zeros(len(self))
-        with np.errstate(invalid="ignore"):
-            spread = np.nanmax(x[there], axis=1) - np.nanmin(x[there], axis=1)
-        if spread.max() > APART:
-            middle = x[there, 0]
-        else:
-            self._half += 0.5 * float(spread.max())
-            middle = 0.5 * (np.nanmax(x[there], axis=1) + np.nanmin(x[there], axis=1))
-        kept = np.isfinite(middle)
-        return np.interp(np.arange(len(self)), there[kept], middle[kept])
+        first, last = np.nanmin(x[there], axis=1), np.nanmax(x[there], axis=1)
+        self._half += 0.5 * float(np.max(last - first))
+        return np.interp(np.arange(len(self)), there, 0.5 * (first + last))
 
     def _corners(self) -> tuple[Array, Array]:
         """Return the least and the largest places to be in view."""
@@ -143,7 +137,7 @@ class Stage:
             low[0], high[0], aside[0] = -self._half, self._half, 0.0
         return (low, high) if arrays.picture.is_spatial and not self._follows else (low - aside, high + aside)
 
-    def _room(self) -> tuple[float, float]:
+    def _clearance(self) -> tuple[float, float]:
         """Return the pixels that symbols need above and below everything."""
         kinds = {symbol.kind for symbol in self._arrays.picture.symbols}
         above, below = zip(*(SPACE.get(kind, (14, 14)) for kind in kinds or {"place"}), strict=True)
@@ -153,7 +147,7 @@ class Stage:
     def _set_up(self, dataset: xr.Dataset, timing: Tempo, pixels: tuple[int, int] | None) -> None:
         picture, corners = self._arrays.picture, self._corners()
         spatial, extent = picture.is_spatial and not self._follows, corners[1] - corners[0]
-        above, below = self._room()
+        above, below = self._clearance()
         tall = np.clip(0.85 * WIDTH * extent[2] / max(extent[0], 1e-9) + above + below, LEAST, MOST)
         if spatial:
             tall = SPATIAL[int(extent[0] > LONG * extent[1])]
@@ -242,19 +236,20 @@ class Stage:
         self._clock = reading(self._panel, self._free_side())
         self._artists: list[Any] = [self._net, self._rim, self._halo, self._traces, self._droppers, self._ropes,
                                     self._strokes, self._shapes, self._clock]  # fmt: skip
-        for track in self._tracks:
-            self._artists += track.artists
-        self._posts = []
+        self._posts = list[Any]()
         if self._follows:
-            stations = sorted(support.station for line in line_statistics(self._displayed, ties=False).values()
-                              for support in line.supports.values())  # fmt: skip
-            self._supports = np.array(stations) + self._start()
-            look: dict[str, Any] = {"colors": [style.FAINT], "linewidths": 1.0, "linestyles": [(0, (2, 2))]}
-            for panel in panels:
-                posts = LineCollection([], transform=panel.get_xaxis_transform(), animated=True, **look)
-                panel.add_collection(posts, autolim=False)
-                self._posts.append(posts)
-            self._artists = [*self._posts, *self._artists]
+            self._set_posts(panels)
+        self._artists = [*self._posts, *self._artists, *(artist for track in self._tracks for artist in track.artists)]
+
+    def _set_posts(self, panels: Any) -> None:
+        """Dashed lines at the supports of an overhead line, through all panels."""
+        stations = sorted(support.station for line in line_statistics(self._displayed, ties=False).values()
+                          for support in line.supports.values())  # fmt: skip
+        self._supports = np.array(stations) + self._start()
+        look: dict[str, Any] = {"colors": [style.FAINT], "linewidths": 1.0, "linestyles": [(0, (2, 2))]}
+        for panel in panels:
+            posts = LineCollection([], transform=panel.get_xaxis_transform(), animated=True, **look)
+            self._posts.append(panel.add_collection(posts, autolim=False))
 
     def _free_side(self) -> str:
         """Return the side at which there is more space above the lines."""
@@ -337,10 +332,8 @@ class Stage:
                 paths += [self._view(so_far[:, i]) for i in range(so_far.shape[1])]
             for contact in symbol.contacts if symbol.kind in ("force", "mass") else ():
                 brush.arrow(self._view(arrays.contacts[k, contact]), self._way(k, contact))
-        whole = [piece for path in paths for piece in np.split(path, 1 + np.flatnonzero(np.isnan(path[:-1, 0])))]
-        whole = [piece[np.isfinite(piece).all(axis=1)] for piece in whole]
-        for traces in (self._halo, self._traces):
-            traces.set_segments([piece for piece in whole if len(piece) > 1])
+        self._halo.set_segments(paths)
+        self._traces.set_segments(paths)
         self._shapes.set_verts(brush.polygons)
         self._shapes.set_facecolor(brush.faces)
         self._strokes.set_segments(brush.strokes)
@@ -353,8 +346,6 @@ class Stage:
         size = float(np.linalg.norm(force))
         if not size > 0.0:
             return np.zeros(2)
-        step = np.zeros(3)
-        step[[0, -1] if len(force) == 2 else [0, 1, 2]] = force / size
-        ends = self._view(np.stack([np.zeros(3), step / self._view.stretch]))
-        way = ends[1] - ends[0]
+        start, end = self._view(np.stack([np.zeros(3), in_space(force) / size / self._view.stretch]))
+        way = end - start
         return np.asarray(way / max(np.linalg.norm(way), 1e-9) * style.sized(ARROW) * size / self._largest)
