@@ -93,7 +93,7 @@ class FilmArrays:
             off = ~np.isfinite(self.contacts[..., 0])
             self.contacts[off] = self.placed(found["wheel_position"])[off]
         self.values = {key.removeprefix("of "): found[key] for key in found if key.startswith("of ")}
-        self.colours, self.shades = found["colour"], found.get("shade")
+        self.colours, self.shades = found["colour"], found.get("shade", np.zeros((0, 0)))
 
     def _displaced(self, place: Array, reference: Array) -> Array:
         reference = np.where(np.isfinite(reference), reference, place)  # as of contacts on nets

@@ -137,8 +137,9 @@ def _draw(dataset: xr.Dataset, ax: Axes, chosen: Chosen, up: int, flattest: floa
         contacts, bodies = chosen.contacts[frame][:, seen], chosen.bodies[frame][:, seen]
         tie: dict[str, Any] = {"colors": [colour], "linewidths": style.THIN}
         ax.add_collection(LineCollection(list(tied(bodies, contacts, pairs)), **tie), autolim=False)
-        ax.scatter(*contacts.T, color=[colour], s=size, zorder=5, edgecolors="white", linewidths=0.7)
-        ax.scatter(*bodies.T, color=[colour], s=size, marker="s", zorder=5)
+        dot: dict[str, Any] = {"color": [colour], "s": size, "zorder": 5}
+        ax.scatter(contacts[:, 0], contacts[:, 1], **dot, edgecolors="white", linewidths=0.7)
+        ax.scatter(bodies[:, 0], bodies[:, 1], **dot, marker="s")
     flat = [path[:, seen] for _, path, _ in paths(dataset, chosen)]
     return set_scale(ax, chosen.position[..., seen], flat, flattest=flattest)
 

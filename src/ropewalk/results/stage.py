@@ -120,7 +120,7 @@ class Stage:
             return np.zeros(len(self))
         first, last = np.nanmin(x[there], axis=1), np.nanmax(x[there], axis=1)
         self._half += 0.5 * float(np.max(last - first))
-        return np.interp(np.arange(len(self)), there, 0.5 * (first + last))
+        return np.asarray(np.interp(np.arange(len(self)), there, 0.5 * (first + last)))
 
     def _corners(self) -> tuple[Array, Array]:
         """Return the least and the largest places to be in view."""
@@ -199,7 +199,7 @@ class Stage:
         arrays, colour = self._arrays, self._arrays.picture.colour
         self._net_shade = self._rope_shade = None
         if len(arrays.cells):
-            self._is_tense = arrays.shades is not None and bool(np.isfinite(arrays.shades).any())
+            self._is_tense = bool(np.isfinite(arrays.shades).any())
             shades = arrays.shades if self._is_tense else self._heights(slice(None))
             self._net_shade = shading(shades, NET if self._is_tense else HEIGHT)
             bar(self._panel, self._net_shade, "tension of the net (N/m)" if self._is_tense else "z (m)")
@@ -305,7 +305,7 @@ class Stage:
     def _move_net(self, k: int, place: Array, page: Array) -> None:
         arrays = self._arrays
         order = np.argsort(-self._view.away(place[arrays.cells]).mean(axis=1))  # those behind first
-        values = arrays.shades[k] if self._is_tense and arrays.shades is not None else self._heights(k)
+        values = arrays.shades[k] if self._is_tense else self._heights(k)
         assert self._net_shade is not None
         colours = self._net_shade.to_rgba(values[order])
         self._net.set_verts(page[arrays.cells[order]])
