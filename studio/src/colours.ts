@@ -1,3 +1,6 @@
+import { type Shown, said } from "./picture";
+import type { Pen } from "./symbols";
+
 // Stops of Matplotlib's map `plasma`, without its light end, as the figures of the package use it.
 const STOPS = [
   [13, 8, 135],
@@ -32,4 +35,21 @@ export function steps(dark: boolean): string[] {
 export function stepOf(value: number, low: number, high: number): number {
   if (!(high > low)) return COUNT >> 1;
   return Math.max(0, Math.min(COUNT - 1, Math.round(((value - low) / (high - low)) * (COUNT - 1))));
+}
+
+/** Draw the scale of a quantity at the top right, with its range. */
+export function bar({ ink, colour }: Pen, label: string, shown: Shown, width: number): void {
+  const names = steps(colour("--dark") === "1");
+  const [wide, right] = [Math.min(shown.unit.length < 3 ? 150 : 190, 0.35 * width), width - 26];
+  for (let k = 0; k < wide; k++) {
+    ink.fillStyle = names[Math.floor((k / wide) * names.length)];
+    ink.fillRect(right - wide + k, 22, 1.5, 8);
+  }
+  ink.fillStyle = colour("--ink");
+  const digits = said(shown.low, shown) === said(shown.high, shown) ? 5 : 3; // of a taut string tensions hardly differ
+  ink.fillText(said(shown.low, shown, digits), right - wide, 16);
+  ink.textAlign = "right";
+  ink.fillText(said(shown.high, shown, digits), right, 16);
+  ink.fillText(label, right - wide - 8, 30);
+  ink.textAlign = "left";
 }

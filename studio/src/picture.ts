@@ -42,12 +42,11 @@ export interface State {
   ranges: Record<string, Shown | null>;
 }
 
-/** A number with its unit: three digits or as many as tell it from another one. */
+/** A number with its unit, to so many digits; round-off of the range is zero. */
 export function said(value: number, { low, high, unit }: Shown, digits = 3): string {
-  const least = 1e-6 * Math.max(Math.abs(low), Math.abs(high));
-  const size = Math.abs(value) <= least ? 0 : Math.floor(Math.log10(Math.abs(value))) + 1;
-  const text = (Math.abs(value) <= least ? 0 : value).toFixed(Math.min(Math.max(digits - size, 0), 6));
-  return `${text.replace("-", "−")} ${unit.replace("*", " ")}`.trim();
+  const isZero = Math.abs(value) <= 1e-6 * Math.max(Math.abs(low), Math.abs(high));
+  const decimals = Math.min(Math.max(digits - 1 - Math.floor(Math.log10(Math.abs(value))), 0), digits);
+  return `${isZero ? "0" : value.toFixed(decimals).replace("-", "−")} ${unit.replace("*", " ")}`.trim();
 }
 
 /** The values that colour the links of a line, in SI; of quantities of nodes the means of their ends; NaN: none. */

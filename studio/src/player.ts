@@ -77,7 +77,7 @@ export class Player {
       this.speed = Number(this.pace.value);
     };
     this.larger.onchange = () => {
-      stage.choices.exaggeration = Number(this.larger.value);
+      stage.exaggeration = Number(this.larger.value);
       this.view = undefined;
       this.seen = -1;
       this.refresh();
@@ -216,7 +216,7 @@ export class Player {
     const key = i + 1e7 * film.version;
     if (key !== this.seen) {
       this.seen = key;
-      this.view ??= viewOf(film, this.stage.choices.exaggeration || film.state.factor, this.beside);
+      this.view ??= viewOf(film, this.stage.exaggeration || film.state.factor, this.beside);
       const frame = film.frame(i);
       const { beside: other } = this;
       const beside = other?.count ? { ...other, frame: other.frame(other.at(this.now)) } : undefined;
@@ -276,7 +276,8 @@ export function numbersOf(film: Described, frame: Frame, dragged = ""): [string,
     rows.push([`largest ${quantity.label}`, said(high / shown.size, shown, 4)]);
     rows.push([`smallest ${quantity.label}`, said(low / shown.size, shown, 4)]);
   }
-  film.layout.loads.slice(0, 4).forEach((name, k) => {
+  const loads = film.layout.loads.length > 12 ? [] : film.layout.loads.slice(0, 4);
+  loads.forEach((name, k) => {
     const behind = frame.contact_tension?.[2 * k];
     const ahead = frame.contact_tension?.[2 * k + 1];
     const [x, z] = [frame.contact_position[k * axes], frame.contact_position[k * axes + axes - 1]];

@@ -55,6 +55,7 @@ export class Space {
   private floor?: GridHelper;
   private layout?: Layout;
   private radius = 1;
+  private size: [number, number] = [1, 1]; // pixels
   private spacing = 1;
   private closing = new AbortController();
 
@@ -139,10 +140,12 @@ export class Space {
     event.stopPropagation(); // arrow keys alone step through time
   }
 
-  /** Draw; returns what says where a place is in the picture, in pixels. */
-  draw(drawn: Drawn, width: number, height: number, colour: Colour): void {
+  /** Draw, above so many pixels that are left free. */
+  draw(drawn: Drawn, width: number, height: number, free: number, colour: Colour): void {
     this.isShown = true;
-    if (this.layout !== drawn.layout) this.begin(drawn, width / height, colour);
+    this.size = [width, height - free];
+    const aspect = width / (height - free);
+    if (this.layout !== drawn.layout) this.begin(drawn, aspect, colour);
     this.ropes.set(drawn, colour);
     this.net.set(drawn, colour);
     const { beside } = drawn;
@@ -154,7 +157,8 @@ export class Space {
     this.others.drawn.visible = this.otherNet.threads.visible = beside !== undefined;
     this.renderer.setPixelRatio(devicePixelRatio || 1);
     this.renderer.setSize(width, height, false);
-    this.framed(width / height);
+    this.renderer.setViewport(0, free, ...this.size);
+    this.framed(aspect);
     this.floor?.position.setZ(drawn.floor);
     this.renderer.render(this.scene, this.camera);
   }
@@ -198,7 +202,8 @@ export class Space {
   }
 
   /** Where a place in space is in the picture, in pixels. */
-  pixel(place: [number, number, number], width: number, height: number): [number, number] {
+  pixel(place: [number, number, number]): [number, number] {
+    const [width, height] = this.size;
     const { x, y } = new Vector3(...place).project(this.camera);
     return [(0.5 + 0.5 * x) * width, (0.5 - 0.5 * y) * height];
   }

@@ -1,9 +1,9 @@
-import { stepOf, steps } from "./colours";
+import { bar, stepOf, steps } from "./colours";
 import { diagram } from "./diagrams";
 import type { Film, Frame, Layout } from "./film";
-import { type Picture, type Shown, type State, said, valuesAlong } from "./picture";
+import { type Picture, type State, valuesAlong } from "./picture";
 import type { Space } from "./space";
-import { BEHIND, type Pen, type Spot, type Surface, symbol, triangle } from "./symbols";
+import { arrow, BEHIND, line, type Pen, type Spot, type Surface, symbol, triangle } from "./symbols";
 import { ticks, written } from "./units";
 
 interface Drawn {
@@ -28,12 +28,7 @@ export interface View {
   force: number; // N, the longest arrow
 }
 
-export interface Choices {
-  exaggeration: number; // 0: as the description has it
-  arrows: boolean;
-}
-
-const MARGIN = { left: 80, right: 80, top: 76, bottom: 40 };
+const MARGIN = { side: 80, top: 76, bottom: 40 };
 const EDGE = { left: 48, right: 24 }; // of axes and diagrams
 const ROW = [64, 118]; // pixels, least and most height of a diagram
 const LABELLED = 12; // most forces that are drawn
@@ -44,7 +39,8 @@ export class Stage {
   hint = "";
   /** Keys of the scenario that doubts name: their loads and lines are marked. */
   doubted: string[] = [];
-  choices: Choices = { exaggeration: 0, arrows: true };
+  /** How many times as large displacements are drawn, where the description is not to decide. */
+  exaggeration = 0;
   private scene?: Scene;
   private view: View = { x: [0, 1], z: [-1, 1], force: 1 };
   private scale: [number, number, number, number] = [1, 0, 1, 0];
@@ -76,7 +72,7 @@ export class Stage {
   }
 
   private get orbits(): boolean {
-    return this.scene?.orbits === true && this.scene.layout.axes.length === 3;
+    return this.scene?.orbits === true && this.scene.layout.axes.length === 3 && !this.scene.picture.around;
   }
 
   /** Fetch what draws in space; where the browser cannot, the elevation stays. */
@@ -112,12 +108,12 @@ export class Stage {
 
   /** How many times as large displacements are drawn. */
   get factor(): number {
-    return this.choices.exaggeration || this.scene?.state.factor || 1;
+    return this.exaggeration || this.scene?.state.factor || 1;
   }
 
   /** Where a point is in the picture, in pixels. */
   private point = (at: ArrayLike<number>): Spot => {
-    if (this.camera) return this.camera.pixel([at[0], at[1], at[2]], this.canvas.clientWidth, this.canvas.clientHeight);
+    if (this.camera) return this.camera.pixel([at[0], at[1], at[2]]);
     const [sx, ox, sz, oz] = this.scale;
     return [ox + sx * at[0], oz + sz * at[at.length - 1]];
   };
@@ -156,10 +152,11 @@ export class Stage {
     const { x, z } = this.view;
     const tall = this.scene?.state.height_factor ?? 1;
     const [low, high] = this.window(x);
-    const wide = width - MARGIN.left - MARGIN.right;
+    const side = Math.min(MARGIN.side, width / 8);
+    const wide = width - 2 * side;
     const free = Math.max(height - MARGIN.top - MARGIN.bottom - sum(this.rows(height)), 20);
     const s = Math.min(wide / Math.max(high - low, 1e-9), free / Math.max(z[1] - z[0], 1e-9) / tall);
-    const ox = MARGIN.left + (wide - s * (high - low)) / 2 - s * low;
+    const ox = side + (wide - s * (high - low)) / 2 - s * low;
     this.scale = [s, ox, -s * tall, MARGIN.top + free / 2 + (s * tall * (z[0] + z[1])) / 2];
   }
 
@@ -221,7 +218,7 @@ export class Stage {
     if (!this.camera) this.links(scene);
     for (const [, node] of this.supportNodes())
       triangle(this.pen, this.at(scene.frame.position, node, scene.reference));
-    if (this.choices.arrows) this.forces(scene);
+    this.forces(scene);
     this.alerts(scene);
     ink.restore();
     this.diagrams(scene, width, height);
@@ -239,7 +236,7 @@ export class Stage {
       const own = layout.nodes.find(([, first, count]) => node >= first && node < first + count) ?? ["", 0, 1];
       return left + ((node - own[1]) / Math.max(own[2] - 1, 1)) * (right - left);
     };
-    const across = this.camera ? along : (node: number) => this.point(reference.subarray(2 * node, 2 * node + 2))[0];
+    const across = this.camera ? along : (node: number) => this.at(reference, node)[0];
     const rows = this.rows(height);
     let top = height - MARGIN.bottom + 10 - sum(rows);
     for (const quantity of picture.diagrams) {
@@ -254,6 +251,7 @@ export class Stage {
   private inSpace(camera: Space, scene: Scene, width: number, height: number): void {
     const { ink, colour } = this.pen;
     const { layout, frame, beside, picture, state } = scene;
+    const low = sum(this.rows(height)); // of the diagrams below
     const larger = ({ frame: { position }, reference }: Drawn) =>
       this.factor === 1 ? position : position.map((value, i) => reference[i] + this.factor * (value - reference[i]));
     const drawn = {
@@ -265,18 +263,18 @@ export class Stage {
       floor: this.view.z[0],
       beside: beside && { layout: beside.layout, position: larger(beside) },
     };
-    camera.draw(drawn, width, height, colour);
+    camera.draw(drawn, width, height, low, colour);
     const { ways, floor } = camera.axes();
-    const [x, y] = [52, height - 46];
+    const [x, y] = [52, height - low - 46];
     for (const [name, right, up] of ways) {
       const size = Math.hypot(right, up);
       if (size < 0.1) continue;
-      this.arrow([x, y], [right / size, -up / size], 32 * size, colour("--faint"));
+      arrow(ink, [x, y], [right / size, -up / size], 32 * size, colour("--faint"));
       ink.textAlign = "center";
       ink.fillText(name, x + 42 * right, y - 42 * up + 4);
     }
     ink.textAlign = "left";
-    ink.fillText(floor, 110, height - 16);
+    ink.fillText(floor, 110, height - low - 16);
   }
 
   private alerts({ layout, frame, reference }: Scene): void {
@@ -409,7 +407,7 @@ export class Stage {
     const way: Spot = [right / flat, -up / flat];
     const along = seen ? flat / size : 1; // what of it is not along the line of sight
     const length = Math.max(along * Math.min(Math.max((size * 50) / (this.view.force || 1), 14), 60), 14);
-    if (along > 0.2) this.arrow(at, way, length, stroke);
+    if (along > 0.2) arrow(ink, at, way, length, stroke);
     else {
       ink.strokeStyle = stroke; // it points at who looks, or away
       ink.lineWidth = 2;
@@ -430,25 +428,8 @@ export class Stage {
     ink.textAlign = "left";
   }
 
-  private arrow([x, z]: Spot, [a, b]: Spot, length: number, stroke: string): void {
-    const { ink } = this.pen;
-    const [ex, ez] = [x + a * length, z + b * length];
-    ink.strokeStyle = ink.fillStyle = stroke;
-    ink.lineWidth = 2;
-    ink.beginPath();
-    ink.moveTo(x, z);
-    ink.lineTo(ex - 6 * a, ez - 6 * b);
-    ink.stroke();
-    ink.beginPath();
-    ink.moveTo(ex, ez);
-    ink.lineTo(ex - 10 * a - 5 * b, ez - 10 * b + 5 * a);
-    ink.lineTo(ex - 10 * a + 5 * b, ez - 10 * b - 5 * a);
-    ink.fill();
-  }
-
   /** Level axis of places; upright axis of places, or of displacements where these are exaggerated. */
   private axes(scene: Scene, width: number, height: number): void {
-    if (scene.layout.axes.length === 3) return;
     const { ink, colour } = this.pen;
     const low = height - MARGIN.bottom + 12;
     const [x0, z0] = this.place(EDGE.left, low - sum(this.rows(height)));
@@ -458,10 +439,7 @@ export class Stage {
     ink.lineWidth = 1;
     const [sx, ox, sz, oz] = this.scale;
     const mark = (value: number, at: [number, number, number, number], x: number, z: number) => {
-      ink.beginPath();
-      ink.moveTo(at[0], at[1]);
-      ink.lineTo(at[2], at[3]);
-      ink.stroke();
+      line(ink, [at[0], at[1]], [at[2], at[3]]);
       ink.fillText(`${+value.toPrecision(6)}`.replace("-", "−"), x, z);
     };
     ink.textAlign = "center";
@@ -482,53 +460,34 @@ export class Stage {
   private upright({ picture, state, reference, layout }: Scene): { label: string; level: number; size: number } {
     const { colour } = picture;
     const shown = colour?.unit === "m" ? state.ranges[colour.name] : undefined;
-    const factors = state.height_factor === 1 ? "" : `, heights × ${state.height_factor}`;
-    if (this.factor === 1 || !colour || !shown) return { label: `z (m)${factors}`, level: 0, size: 1 };
+    if (this.factor === 1 || state.height_factor !== 1 || !colour || !shown)
+      return { label: "z (m)", level: 0, size: 1 };
     const first = layout.nodes.find(([name]) => !colour.lines.length || colour.lines.includes(name))?.[1] ?? 0;
     const level = reference[layout.axes.length * (first + 1) - 1];
     const size = this.factor * shown.size * (colour.down ? -1 : 1);
-    return { label: `${colour.label} (${shown.unit})${factors}`, level, size };
+    return { label: `${colour.label} (${shown.unit})`, level, size };
   }
 
-  /** The factor of displacements, the linear theory, and the bar of colours. */
+  /** The factors, the linear theory, and the bar of colours. */
   private key({ picture, state, ghost }: Scene, width: number): void {
     const { ink, colour } = this.pen;
     const quantity = picture.colour;
     const shown = quantity && state.ranges[quantity.name];
     ink.fillStyle = colour("--ink");
-    if (this.factor !== 1) {
-      ink.font = ink.font.replace("12px", "bold 13px");
-      ink.fillText(`${quantity?.unit === "m" ? quantity.label : "displacement"} × ${this.factor}`, 8, 24);
-      ink.font = ink.font.replace("bold 13px", "12px");
-    }
-    if (shown) this.bar(quantity.label, shown, width);
+    const factors = [[quantity?.unit === "m" ? quantity.label : "displacement", this.factor]];
+    if (!this.camera) factors.push(["heights", state.height_factor]);
+    ink.font = ink.font.replace("12px", "bold 13px");
+    const larger = factors.filter(([, factor]) => factor !== 1).map((one) => one.join(" × "));
+    ink.fillText(larger.join(", "), 8, this.camera ? 56 : 24);
+    ink.font = ink.font.replace("bold 13px", "12px");
+    if (shown) bar(this.pen, quantity.label, shown, width);
     if (!ghost?.length) return;
     ink.setLineDash([7, 5]);
     ink.strokeStyle = colour("--ghost");
     ink.lineWidth = 1.5;
-    ink.beginPath();
-    ink.moveTo(170, 20);
-    ink.lineTo(204, 20);
-    ink.stroke();
+    line(ink, [170, 20], [204, 20]);
     ink.setLineDash([]);
     ink.fillText("linear theory", 210, 24);
-  }
-
-  private bar(label: string, shown: Shown, width: number): void {
-    const { ink, colour } = this.pen;
-    const names = steps(colour("--dark") === "1");
-    const [wide, right] = [shown.unit.length < 3 ? 150 : 190, width - 26];
-    for (let k = 0; k < wide; k++) {
-      ink.fillStyle = names[Math.floor((k / wide) * names.length)];
-      ink.fillRect(right - wide + k, 22, 1.5, 8);
-    }
-    ink.fillStyle = colour("--ink");
-    const digits = said(shown.low, shown) === said(shown.high, shown) ? 5 : 3; // of a taut string tensions hardly differ
-    ink.fillText(said(shown.low, shown, digits), right - wide, 16);
-    ink.textAlign = "right";
-    ink.fillText(said(shown.high, shown, digits), right, 16);
-    ink.fillText(label, right - wide - 8, 30);
-    ink.textAlign = "left";
   }
 }
 

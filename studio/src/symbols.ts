@@ -55,10 +55,29 @@ const DRAWN: Record<string, Drawing> = {
   place,
 };
 
-function line(ink: CanvasRenderingContext2D, ...spots: Spot[]): void {
+const pairs = (...values: number[]) => values.flatMap((value, i): Spot[] => (i % 2 ? [] : [[value, values[i + 1]]]));
+
+function shape(ink: CanvasRenderingContext2D, ...spots: Spot[]): void {
+  ink.beginPath();
+  for (const spot of spots) ink.lineTo(...spot);
+  ink.closePath();
+}
+
+export function line(ink: CanvasRenderingContext2D, ...spots: Spot[]): void {
   ink.beginPath();
   for (const spot of spots) ink.lineTo(...spot);
   ink.stroke();
+}
+
+/** An arrow from a spot along a unit vector. */
+export function arrow(ink: CanvasRenderingContext2D, [x, z]: Spot, [a, b]: Spot, length: number, stroke: string): void {
+  const [ex, ez] = [x + a * length, z + b * length];
+  ink.strokeStyle = ink.fillStyle = stroke;
+  ink.lineWidth = 2;
+  line(ink, [x, z], [ex - 6 * a, ez - 6 * b]);
+  const [left, right] = [-5, 5].map((side): Spot => [ex - 10 * a + side * b, ez - 10 * b - side * a]);
+  shape(ink, [ex, ez], left, right);
+  ink.fill();
 }
 
 function dot(ink: CanvasRenderingContext2D, [x, z]: Spot, radius: number): void {
@@ -74,24 +93,11 @@ function vehicle({ ink, colour, metre }: Surface, wheels: Spot[]): void {
   const [a, b] = [sorted[0], sorted[sorted.length - 1]];
   const long = Math.hypot(b[0] - a[0], b[1] - a[1]);
   const [c, s] = long > 0 ? [(b[0] - a[0]) / long, (b[1] - a[1]) / long] : [1, 0];
-  const [radius, high, over] = [
-    between(0.45 * metre, 2.5, 7),
-    between(3 * metre, 14, 40),
-    sorted.length > 1 ? Math.max(0.1 * long, 7) : 20,
-  ];
-  const spot = (along: number, up: number): Spot => [a[0] + along * c + up * s, a[1] + along * s - up * c];
-  const base = 1.7 * radius;
-  ink.beginPath();
-  for (const [along, up] of [
-    [-over, base],
-    [long + over, base],
-    [long + over, base + 0.75 * high],
-    [long + over - 4, base + high],
-    [4 - over, base + high],
-    [-over, base + 0.75 * high],
-  ])
-    ink.lineTo(...spot(along, up));
-  ink.closePath();
+  const [radius, high] = [between(0.45 * metre, 2.5, 7), between(3 * metre, 14, 40)];
+  const over = sorted.length > 1 ? Math.max(0.1 * long, 7) : 20;
+  const [base, top, end] = [1.7 * radius, 1.7 * radius + high, long + over];
+  const corners = pairs(-over, base, end, base, end, top - 8, end - 4, top, 4 - over, top, -over, top - 8);
+  shape(ink, ...corners.map(([x, up]): Spot => [a[0] + x * c + up * s, a[1] + x * s - up * c]));
   ink.fillStyle = colour("--panel");
   ink.fill();
   ink.globalAlpha = 0.25;
@@ -195,13 +201,7 @@ function dropper({ ink, colour, node }: Surface, _: Spot[], __: Spot[], { nodes 
 function place({ ink, colour, node }: Surface, _: Spot[], __: Spot[], { nodes = [], name }: Mark): void {
   const [x, z] = node(nodes[0]);
   ink.fillStyle = colour("--accent");
-  ink.beginPath();
-  for (const [a, b] of [
-    [0, 5],
-    [-5, 13],
-    [5, 13],
-  ])
-    ink.lineTo(x + a, z + b);
+  shape(ink, [x, z + 5], [x - 5, z + 13], [x + 5, z + 13]);
   ink.fill();
   ink.textAlign = "center";
   ink.fillText(name, x, z + 26);
@@ -210,14 +210,7 @@ function place({ ink, colour, node }: Surface, _: Spot[], __: Spot[], { nodes = 
 
 /** A support below a point of a line. */
 export function triangle({ ink, colour }: Pen, [x, z]: Spot): void {
-  ink.beginPath();
-  for (const [a, b] of [
-    [0, 0],
-    [-8, 14],
-    [8, 14],
-  ])
-    ink.lineTo(x + a, z + b);
-  ink.closePath();
+  shape(ink, [x, z], [x - 8, z + 14], [x + 8, z + 14]);
   ink.fillStyle = colour("--panel");
   ink.fill();
   ink.strokeStyle = colour("--ink");

@@ -11,6 +11,7 @@ from ropewalk.results.line_response import responses
 from ropewalk.results.picture import Picture
 from ropewalk.scenario import loads
 from ropewalk.simulate import simulate
+from ropewalk.studio.streams import stored
 
 BRIDGE = """\
 gravity: 0
@@ -122,3 +123,12 @@ def test_symbols_name_coaches_places_towers_and_people(crossed: Any, rope: Any) 
     assert tower.foot is not None
     assert tower.foot <= 0.0  # the lowest point of the rope
     assert (person.kind, person.contacts) == ("person", (0,))
+
+
+def test_the_page_receives_the_curves_of_named_places(crossed: Any) -> None:
+    curves = stored(crossed)["curves"]
+    groups = {group["quantity"]: group for group in curves["groups"]}
+    found = responses(crossed)[0]["deck"]
+    assert curves["path"] == crossed["time"].values.tolist()
+    assert groups["deflection"]["unit"] == "mm"
+    np.testing.assert_allclose(groups["deflection"]["curves"]["midspan"], 1e3 * found.at(7.5)["deflection"])

@@ -44,7 +44,7 @@ _NOTHING = 1e-9  # of any quantity in SI: round-off
 
 
 @dataclass(frozen=True)
-class Quantity:
+class DrawnQuantity:
     """A quantity that is drawn as a colour or as a diagram.
 
     Args:
@@ -64,8 +64,8 @@ class Quantity:
     down: bool = False
 
 
-TENSION = Quantity("tension", "tension", "N", "link")
-NET_TENSION = Quantity("net_tension", "tension per width", "N/m", "cell")
+TENSION = DrawnQuantity("tension", "tension", "N", "link")
+NET_TENSION = DrawnQuantity("net_tension", "tension per width", "N/m", "cell")
 
 
 class Picture:
@@ -83,7 +83,7 @@ class Picture:
         self.is_spatial = is_spatial(dataset)
         self.beams = _beams(scenario, self.lines)
         self.is_overhead = scenario is not None and bool(scenario.overhead_lines)
-        self.colour: Quantity | None = self._colour(dataset, scenario)
+        self.colour: DrawnQuantity | None = self._colour(dataset, scenario)
         self.diagrams = self._diagrams()
         self.reference = np.array(dataset["position"].values[0], dtype=float)
         if is_static or (scenario is not None and scenario.run.kind == "equilibrium"):
@@ -102,25 +102,25 @@ class Picture:
         picture.add(dataset)
         return picture
 
-    def _colour(self, dataset: xr.Dataset, scenario: Scenario | None) -> Quantity | None:
+    def _colour(self, dataset: xr.Dataset, scenario: Scenario | None) -> DrawnQuantity | None:
         if not dataset.sizes["link"]:
             return NET_TENSION if "cell_tension" in dataset else None
         if self.is_overhead:
             wires = tuple(line for line in self.lines if line.endswith((".contact", ".messenger")))
-            return Quantity("uplift", "uplift", "m", "node", wires)
+            return DrawnQuantity("uplift", "uplift", "m", "node", wires)
         if self.beams or _is_linear(scenario):
-            return Quantity("deflection", "deflection", "m", "node", down=True)
+            return DrawnQuantity("deflection", "deflection", "m", "node", down=True)
         return TENSION
 
-    def _diagrams(self) -> list[Quantity]:
+    def _diagrams(self) -> list[DrawnQuantity]:
         if self.is_overhead:
             wires = tuple(line for line in self.lines if line.endswith(".contact"))
-            return [Quantity("uplift", "uplift of the contact wire", "m", "node", wires)]
+            return [DrawnQuantity("uplift", "uplift of the contact wire", "m", "node", wires)]
         if self.colour is None or self.colour.name != "deflection":
             return []
         beams = tuple(self.beams)
-        bending = [Quantity("moment", "bending moment", "N*m", "node", beams, down=True)] if beams else []
-        return [Quantity("deflection", "deflection", "m", "node", beams or tuple(self.lines), down=True), *bending]
+        bending = [DrawnQuantity("moment", "bending moment", "N*m", "node", beams, down=True)] if beams else []
+        return [DrawnQuantity("deflection", "deflection", "m", "node", beams or tuple(self.lines), down=True), *bending]
 
     def _straighten(self, dataset: xr.Dataset) -> None:
         """Measure the displacements of beams from straight lines between their ends."""
@@ -131,7 +131,7 @@ class Picture:
             reference[own] = (1.0 - part) * reference[own[0]] + part * reference[own[-1]]
 
     @property
-    def quantities(self) -> dict[str, Quantity]:
+    def quantities(self) -> dict[str, DrawnQuantity]:
         """The quantities of diagrams and colours, by name."""
         return {q.name: q for q in (*self.diagrams, self.colour) if q is not None}
 
@@ -183,11 +183,11 @@ class Picture:
         place, xi = dataset["contact_position"].values, dataset["contact_xi"].values
         moved, names, away = np.zeros(place.shape), dataset["line"].values, position - self.reference
         for k, contact in enumerate(dataset["load"].values.tolist()):
-            line, part = line_of(contact, self._loads), contact.rpartition(".")[2]
-            wires = (f"{part}.contact", line, f"{line}.contact")  # of a line that overlaps, or the declared one
+            line, section = line_of(contact, self._loads), contact.rpartition(".")[2]
+            wires = (f"{section}.contact", line, f"{line}.contact")  # of a section that overlaps, or the declared one
             own = np.flatnonzero(names == next((wire for wire in wires if wire in self.lines), ""))
             there, at = np.flatnonzero(np.isfinite(xi[:, k])), dataset["xi"].values[own]
-            if own.size < 2 or not np.isfinite(at).all():  # nets have no xi
+            if own.size < 2 or not np.isfinite(at).all():  # nodes of nets have no xi
                 continue
             i = np.clip(np.searchsorted(at, xi[there, k], side="right") - 1, 0, own.size - 2)
             part = ((xi[there, k] - at[i]) / (at[i + 1] - at[i]))[:, None]
@@ -195,8 +195,8 @@ class Picture:
         bodies = dataset["body_position"].values
         shift = np.zeros(bodies.shape)
         for i in {i for i, _ in self._ties}:
-            own = [k for body, k in self._ties if body == i]
-            shift[:, i] = moved[:, own[len(own) // 2]]
+            tied = [k for body, k in self._ties if body == i]
+            shift[:, i] = moved[:, tied[len(tied) // 2]]
         return {
             "contact_position": place, "contact_reference": place - moved,
             "body_position": bodies, "body_reference": bodies - shift,
@@ -227,7 +227,7 @@ class Picture:
     @property
     def height_factor(self) -> float:
         """How many times as large heights are drawn: 1, or a round number where the lines are flat but not straight."""
-        if self.is_spatial or not len(self.reference):
+        if (self.is_spatial and not self.is_overhead) or not len(self.reference):
             return 1.0
         rise, is_curved = float(self._high[-1] - self._low[-1]), np.ptp(self.reference[:, -1]) > STRAIGHT * self.extent
         return style.nice(HIGH * self.extent / rise) if is_curved and rise < FLAT * self.extent else 1.0
@@ -238,7 +238,7 @@ class Picture:
         seen = self._displaced * self.height_factor / self.extent
         return 1.0 if seen >= VISIBLE or seen < _STILL else max(style.nice(DRAWN / seen), 1.0)
 
-    def range(self, quantity: Quantity) -> dict[str, Any] | None:
+    def range(self, quantity: DrawnQuantity) -> dict[str, Any] | None:
         """Return the range of a quantity over the frames so far, in the unit that readers use.
 
         Returns:

@@ -24,7 +24,7 @@ KINDS = {
     "pantograph": "pantograph", "force": "force",
 }  # fmt: skip
 """Symbol of each kind of load; all others are a mass."""
-_PERSON = re.compile(r"person|walker|jumper|rider|climber|people|runner", re.IGNORECASE)
+_HUMAN = re.compile(r"person|walker|jumper|rider|climber|people|runner", re.IGNORECASE)
 _BOGIE = 4.5  # m: axles that are no further apart belong to one bogie
 _SHARED = 2  # bogies of a coach
 
@@ -80,7 +80,7 @@ def _loads(dataset: xr.Dataset, scenario: Scenario | None) -> Iterator[Symbol]:
     for name in dict.fromkeys(one.partition(".")[0] for one in (*contacts, *bodies)):
         load = declared.get(name)
         kind = KINDS.get(getattr(load, "kind", ""), "vehicle" if bodies and load is None else "mass")
-        if kind == "mass" and _PERSON.search(name):
+        if kind == "mass" and _HUMAN.search(name):
             kind = "person"
         own = [k for k, one in enumerate(contacts) if one.partition(".")[0] == name]
         its = [k for k, one in enumerate(bodies) if one.partition(".")[0] == name]
@@ -89,9 +89,18 @@ def _loads(dataset: xr.Dataset, scenario: Scenario | None) -> Iterator[Symbol]:
                 yield Symbol(kind, name, tuple(part))
             continue
         heads = {k: (contacts[k].rpartition(".")[0] or name) if kind in ("coach", "person") else name for k in own}
-        for head in dict.fromkeys([*heads.values(), *([] if own else [name])]):
-            of_head = [k for k in its if len(set(heads.values())) < 2 or bodies[k].startswith(f"{head}.")]
-            yield Symbol(kind, head, tuple(k for k in own if heads[k] == head), tuple(of_head))
+        row = dict.fromkeys([*heads.values(), *([] if own else [name])])
+        groups = {head: [k for k in own if heads[k] == head] for head in row}
+        shared = [_is_shared(vehicle) for _, vehicle in getattr(load, "composition", ())]
+        for n, (head, part) in enumerate(groups.items()):
+            after = [*groups.values()][n + 1 : n + 2] if n < len(shared) and shared[n] else []
+            of_head = [k for k in its if len(row) < 2 or bodies[k].startswith(f"{head}.")]
+            yield Symbol(kind, head, tuple(part + [one[0] for one in after]), tuple(of_head))
+
+
+def _is_shared(vehicle: Any) -> bool:
+    """Whether a vehicle of a train stands on a bogie of the next one."""
+    return any(end.startswith("next.") for spring in vehicle.springs.values() for end in spring.between)
 
 
 def _coaches(axles: Any, own: list[int]) -> list[list[int]]:
@@ -128,9 +137,9 @@ def _posts(dataset: xr.Dataset, scenario: Scenario, reference: Array) -> Iterato
         for kind, round_bodies in (("saddle", line.saddles), ("sheave", line.sheaves)):
             for support, body in round_bodies.items():
                 place = body.at if len(body.at) == axes else (body.at[0], 0.0, body.at[-1])
-                held = getattr(body, "to", None) is None
+                is_fixed = getattr(body, "to", None) is None
                 yield Symbol(kind, support, at=tuple(place), size=getattr(body, "radius", 0.0),
-                             foot=foot(place) if held else None)  # fmt: skip
+                             foot=foot(place) if is_fixed else None)  # fmt: skip
 
 
 def _places(dataset: xr.Dataset, scenario: Scenario) -> Iterator[Symbol]:

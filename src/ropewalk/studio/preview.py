@@ -27,7 +27,7 @@ def preview(scenario: Scenario) -> tuple[Layout, xr.Dataset] | None:
     found = list(_lines(scenario))
     if not found:
         return None
-    shapes = {name: _divided(np.array([spatial(point) for point in corners])) for name, corners in found}
+    shapes = {name: _subdivide(np.array([spatial(point) for point in corners])) for name, corners in found}
     xi = {name: np.append(0.0, np.cumsum(np.linalg.norm(np.diff(p, axis=0), axis=1))) for name, p in shapes.items()}
     axes = ("x", "z") if all(not shape[:, 1].any() for shape in shapes.values()) else ("x", "y", "z")
     starts = [
@@ -62,8 +62,8 @@ def _lines(scenario: Scenario) -> Iterator[tuple[str, list[Any]]]:
     """Names and corners of lines, hangers, wires, and outlines of nets."""
     hung = {name: line for row in scenario.hangers for name, line in scenario.hung(row).items()}
     for name, line in (scenario.lines | hung).items():
-        between = [*line.sheaves.values(), *line.saddles.values()]
-        yield name, [line.start, *(support.at for support in between), line.end]
+        between = [*(sheave.at for sheave in line.sheaves.values()), *(saddle.at for saddle in line.saddles.values())]
+        yield name, [line.start, *between, line.end]
     for name, wires in scenario.overhead_lines.items():
         x, y, z = spatial(wires.start)
         at = [x, *(x + np.cumsum(wires.span_lengths)).tolist()]
@@ -78,7 +78,7 @@ def _lines(scenario: Scenario) -> Iterator[tuple[str, list[Any]]]:
             yield name, [corner, corner + one, corner + one + other, corner + other, corner]
 
 
-def _divided(corners: Array) -> Array:
+def _subdivide(corners: Array) -> Array:
     """Return points on straight pieces between corners (corner, 3), m."""
     parts = [np.linspace(a, b, _POINTS)[:-1] for a, b in pairwise(corners)]
     return np.concatenate([*parts, corners[-1:]])

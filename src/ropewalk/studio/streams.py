@@ -65,7 +65,8 @@ class Streamed:
         self, send: Callable[[bytes], None], head: dict[str, Any], total: int, attributes: Mapping[str, Any]
     ) -> None:
         self._send, self._head, self._total, self._attributes = send, head, total, attributes
-        self._step, self._seen, self._picture = 1, 0, None
+        self._step, self._seen = 1, 0
+        self._picture: Picture | None = None
 
     def __call__(self, layout: Layout, frames: Frames, run_info: RunInfo) -> None:
         """Send some frames."""
@@ -173,9 +174,9 @@ def _curves(dataset: xr.Dataset) -> dict[str, Any]:
         found.setdefault(quantity, []).append((place, values[rows], unit))
     groups = []
     for quantity, curves in found.items():
-        unit = DisplayUnits.read(None).of(curves[0][2], [values for _, values, _ in curves])
-        known = {place: [v if v == v else None for v in (values / unit.size).tolist()] for place, values, _ in curves}
-        groups.append({"quantity": quantity.replace("_", " "), "unit": unit.symbol, "curves": known})
+        shown = DisplayUnits.read(None).of(curves[0][2], [values for _, values, _ in curves])
+        known = {place: [v if v == v else None for v in (values / shown.size).tolist()] for place, values, _ in curves}
+        groups.append({"quantity": quantity.replace("_", " "), "unit": shown.symbol, "curves": known})
     return {"path": dataset[path_name(dataset)].values[rows].tolist() if groups else [], "groups": groups}
 
 

@@ -1,0 +1,33 @@
+"""Pictures of scenarios that have not been computed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ropewalk.results.picture import Picture
+from ropewalk.scenario import load, loads
+from ropewalk.studio.preview import preview
+from ropewalk.studio.streams import of_frame
+from studio_server import SHORT, unpacked
+
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.yaml"))
+
+
+@pytest.mark.parametrize("file", EXAMPLES, ids=lambda file: file.stem)
+def test_every_example_has_a_picture_before_it_is_computed(file: Path) -> None:
+    declared = preview(load(file))
+    assert declared is not None
+    head, arrays = unpacked(of_frame(*declared, {"id": 1}))
+    assert np.isfinite(arrays["position"]).all()
+    assert head["state"]["factor"] == 1.0
+    assert not any(head["state"]["ranges"].values())
+
+
+def test_a_load_is_where_it_starts_on_the_declared_line() -> None:
+    declared = preview(loads(SHORT.replace("from: 0 m", "from: 5 m")))
+    assert declared is not None
+    np.testing.assert_allclose(declared[1]["contact_position"].values[0, 0], [5.0, 0.0])
+    assert [symbol.kind for symbol in Picture(declared[1]).symbols] == ["force"]
