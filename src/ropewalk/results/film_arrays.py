@@ -11,7 +11,7 @@ from ropewalk.results import style
 from ropewalk.results.contract import path_name
 from ropewalk.results.frame import Array
 from ropewalk.results.nets import NetTriangles, cell_values, in_space, line_ends, triangles
-from ropewalk.results.picture import Picture, Quantity
+from ropewalk.results.picture import DrawnQuantity, Picture
 from ropewalk.results.symbols import Symbol
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ class FilmArrays:
                 found.append(np.stack((nodes[kept[:-1]], nodes[kept[1:]], links[kept[:-1]])))
         return np.concatenate(found, axis=1)
 
-    def _nodes_of(self, quantity: Quantity) -> NDArray[np.intp]:
+    def _nodes_of(self, quantity: DrawnQuantity) -> NDArray[np.intp]:
         """Return the nodes of a diagram from line to line."""
         lines = [line for line in self.picture.lines if line in quantity.lines or not quantity.lines]
         own = [np.flatnonzero(self._lines == line) for line in lines]

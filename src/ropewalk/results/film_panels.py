@@ -14,7 +14,7 @@ from ropewalk.results.contact_statistics import CUTOFF, contact_statistics, filt
 from ropewalk.results.display_units import DisplayUnits, number
 from ropewalk.results.film_arrays import FilmArrays
 from ropewalk.results.frame import Array
-from ropewalk.results.picture import Quantity
+from ropewalk.results.picture import DrawnQuantity
 from ropewalk.results.scene import Scene
 
 if TYPE_CHECKING:
@@ -129,7 +129,7 @@ class Diagram:
     """
 
     def __init__(
-        self, panel: Axes, arrays: FilmArrays, quantity: Quantity, shade: Any, units: DisplayUnits, reach: float
+        self, panel: Axes, arrays: FilmArrays, quantity: DrawnQuantity, shade: Any, units: DisplayUnits, reach: float
     ) -> None:
         nodes, self._values = arrays.diagrams[quantity.name], arrays.values[quantity.name]
         self._x = arrays.picture.reference[nodes, 0]
