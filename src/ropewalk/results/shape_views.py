@@ -30,7 +30,6 @@ CROWD = 6  # more lines than these are drawn at one instant in space
 POINTS = 2000  # most points drawn of one curve
 CELLS = 12_000  # most triangles drawn in a still
 FLATTEST, SLIMMEST = 0.14, 0.05  # flatter side views and slimmer plans (to their length) are drawn exaggerated
-NET, ROPE, HEIGHT = style.TENSION, style.INSTANTS, "cividis"  # colour maps: tension of nets and lines, height
 _SIDE: dict[str, Any] = {"fraction": 0.03, "pad": 0.01, "aspect": 25}
 
 
@@ -104,7 +103,7 @@ def plan(dataset: xr.Dataset, ax: Axes) -> None:
         place = chosen.position[0]
         mesh = NetTriangles(triangles(dataset), place, CELLS)
         height = place[mesh.cells, 2].mean(axis=1)
-        shade = shading(height, HEIGHT)
+        shade = shading(height, style.HEIGHT)
         options: dict[str, Any] = {"facecolors": height, "cmap": shade.cmap, "norm": shade.norm}
         ax.tripcolor(place[:, 0], place[:, 1], mesh.cells, **options, edgecolors="face", linewidth=0.6, zorder=1)
         bar(ax, shade, "z (m)")

@@ -12,19 +12,7 @@ from ropewalk.results.contract import path_name
 from ropewalk.results.display_units import number
 from ropewalk.results.nets import NetTriangles, cell_values, line_ends, net_names, triangles
 from ropewalk.results.scene import LONG, Scene, faces, segments
-from ropewalk.results.shape_views import (
-    CELLS,
-    HEIGHT,
-    NET,
-    POINTS,
-    ROPE,
-    Chosen,
-    bar,
-    instants_bar,
-    paths,
-    shading,
-    word,
-)
+from ropewalk.results.shape_views import CELLS, POINTS, Chosen, bar, instants_bar, paths, shading, word
 from ropewalk.results.statistics import lines
 from ropewalk.results.ties import tied, ties
 
@@ -67,9 +55,10 @@ def space(dataset: xr.Dataset, panel: Axes) -> Scene:
 def _nets(dataset: xr.Dataset, scene: Scene, chosen: Chosen) -> None:
     place = chosen.position[0]
     mesh = NetTriangles(triangles(dataset), place, CELLS)
-    values, label, name = mesh.values(cell_values(dataset, int(chosen.frames[0]))), "tension of the net (N/m)", NET
+    values, label, name = cell_values(dataset, int(chosen.frames[0])), "tension of the net (N/m)", style.TENSION
+    values = mesh.values(values)
     if not np.isfinite(values).any():
-        values, label, name = place[mesh.cells, 2].mean(axis=1), "z (m)", HEIGHT
+        values, label, name = place[mesh.cells, 2].mean(axis=1), "z (m)", style.HEIGHT
     shade = shading(values, name)
     colours = shade.to_rgba(values)
     sides: dict[str, Any] = {"edgecolors": colours, "linewidths": 0.3}  # or else the ground shines through the seams
@@ -85,7 +74,7 @@ def _ropes(dataset: xr.Dataset, scene: Scene, chosen: Chosen) -> None:
     shade, ends = None, []
     if len(chosen.frames) == 1 and dataset.sizes["link"]:
         pull = dataset["tension"][int(chosen.frames[0])].values
-        shade = shading(pull, ROPE if net_names(dataset) else NET)
+        shade = shading(pull, style.INSTANTS if net_names(dataset) else style.TENSION)
         bar(scene.panel, shade, "tension of the lines (N)" if net_names(dataset) else "tension (N)")
     for line in lines(dataset):
         nodes = np.flatnonzero(dataset["line"].values == line)

@@ -27,7 +27,7 @@ from ropewalk.results.meter import Meter
 from ropewalk.results.nets import in_space
 from ropewalk.results.picture import AROUND
 from ropewalk.results.scene import LONG
-from ropewalk.results.shape_views import HEIGHT, NET, ROPE, bar, shading
+from ropewalk.results.shape_views import bar, shading
 from ropewalk.results.space_figure import MESH
 from ropewalk.results.tempo import Tempo
 
@@ -201,10 +201,11 @@ class Stage:
         if len(arrays.cells):
             self._is_tense = bool(np.isfinite(arrays.shades).any())
             shades = arrays.shades if self._is_tense else self._heights(slice(None))
-            self._net_shade = shading(shades, NET if self._is_tense else HEIGHT)
+            self._net_shade = shading(shades, style.TENSION if self._is_tense else style.HEIGHT)
             bar(self._panel, self._net_shade, "tension of the net (N/m)" if self._is_tense else "z (m)")
         if colour is not None and np.isfinite(arrays.colours).any():
-            self._rope_shade = shading(arrays.colours, NET if colour.of == "link" and not len(arrays.cells) else ROPE)
+            is_tension = colour.of == "link" and not len(arrays.cells)
+            self._rope_shade = shading(arrays.colours, style.TENSION if is_tension else style.INSTANTS)
             if not (arrays.picture.diagrams and arrays.picture.diagrams[0].name == colour.name):
                 lines = " of the lines" if len(arrays.cells) else ""
                 bar(self._panel, self._rope_shade, f"{colour.label}{lines} ({colour.unit})")

@@ -30,6 +30,7 @@ CYCLE = (BLUE, RED, GREEN, ORANGE, PURPLE, SKY, BLACK)
 LOAD = RED
 INSTANTS = "viridis"  # early to late
 TENSION = "plasma"  # low to high
+HEIGHT = "cividis"
 RANGE = (0.0, 0.88)  # of both maps: their light ends are hard to see on white
 
 INK = "#333333"
