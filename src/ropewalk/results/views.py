@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -109,18 +110,26 @@ def net_tension(dataset: xr.Dataset, ax: Axes) -> None:
     style.legend(ax)
 
 
-def contact_sideways(dataset: xr.Dataset, ax: Axes) -> None:
-    """Draw the place of every load and of its bodies sideways over time."""
-    _places(dataset, ax, "y")
-    ax.ticklabel_format(axis="y", useOffset=False)
-    style.dress(ax, "Place of the load sideways", path_label(dataset), "y (m)")
-    finish_loads(dataset, ax)
+_OF_LOADS = {
+    "contact_height": ("Height of the load", "z (m)"),
+    "contact_sideways": ("Place of the load sideways", "y (m)"),
+    "contact_force": ("Contact force on the line", "force (N)"),
+    "hold_force": ("Hold force on the line", "force (N)"),
+    "contact_speed": ("Speed of the load", "speed (m/s)"),
+    "friction_power": ("Power lost to friction", "power (W)"),
+}
 
 
-def contact_height(dataset: xr.Dataset, ax: Axes) -> None:
-    """Draw the height of every load and of its bodies over time."""
-    _places(dataset, ax, "z")
-    style.dress(ax, "Height of the load", path_label(dataset), "z (m)")
+def _loads(dataset: xr.Dataset, ax: Axes, *, view: str) -> None:
+    """Draw a quantity of every load, and of its bodies, over the path; forces by component."""
+    title, label = _OF_LOADS[view]
+    if label[0] in "yz":
+        _places(dataset, ax, label[0])
+    elif label == "force (N)":
+        _components(dataset, ax, dataset[view], dataset["load"].values.tolist())
+    else:
+        _of_contacts(dataset, ax, view)
+    style.dress(ax, title, path_label(dataset), label)
     finish_loads(dataset, ax)
 
 
@@ -135,34 +144,6 @@ def _places(dataset: xr.Dataset, ax: Axes, axis: str) -> None:
             if kind == "body" or k not in groups:
                 curves.append((label, values, {"color": colour_of(len(curves)), "linestyle": dashes}))
     draw_curves(dataset, ax, curves)
-
-
-def hold_force(dataset: xr.Dataset, ax: Axes) -> None:
-    """Draw the hold force of every load by component."""
-    _components(dataset, ax, dataset["hold_force"], dataset["load"].values.tolist())
-    style.dress(ax, "Hold force on the line", path_label(dataset), "force (N)")
-    finish_loads(dataset, ax)
-
-
-def contact_force(dataset: xr.Dataset, ax: Axes) -> None:
-    """Draw the contact force of every load by component."""
-    _components(dataset, ax, dataset["contact_force"], dataset["load"].values.tolist())
-    style.dress(ax, "Contact force on the line", path_label(dataset), "force (N)")
-    finish_loads(dataset, ax)
-
-
-def contact_speed(dataset: xr.Dataset, ax: Axes) -> None:
-    """Draw the speed of every load along its line, as measured."""
-    _of_contacts(dataset, ax, "contact_speed")
-    style.dress(ax, "Speed of the load", path_label(dataset), "speed (m/s)")
-    finish_loads(dataset, ax)
-
-
-def friction_power(dataset: xr.Dataset, ax: Axes) -> None:
-    """Draw the power that every load loses to friction and brakes along its line."""
-    _of_contacts(dataset, ax, "friction_power")
-    style.dress(ax, "Power lost to friction", path_label(dataset), "power (W)")
-    finish_loads(dataset, ax)
 
 
 def contact_friction(dataset: xr.Dataset, ax: Axes) -> None:
@@ -227,17 +208,12 @@ def tension_along(dataset: xr.Dataset, ax: Axes, instants: int = SHAPES) -> None
         instants_bar(ax, dataset[name].values[frames], label)
 
 
-VIEWS = {
+VIEWS: Mapping[str, Callable[[xr.Dataset, Axes], None]] = {
     "shapes": shapes,
     "tension": tension,
     "tension_along": tension_along,
     "net_tension": net_tension,
-    "contact_height": contact_height,
-    "contact_sideways": contact_sideways,
-    "contact_force": contact_force,
-    "hold_force": hold_force,
-    "contact_speed": contact_speed,
-    "friction_power": friction_power,
+    **{view: partial(_loads, view=view) for view in _OF_LOADS},
     "contact_friction": contact_friction,
     "reactions": reactions,
     "energy": energy,
