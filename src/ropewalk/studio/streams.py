@@ -174,9 +174,11 @@ def _curves(dataset: xr.Dataset) -> dict[str, Any]:
         found.setdefault(quantity, []).append((place, values[rows], unit))
     groups = []
     for quantity, curves in found.items():
-        shown = DisplayUnits.read(None).of(curves[0][2], [values for _, values, _ in curves])
-        known = {place: [v if v == v else None for v in (values / shown.size).tolist()] for place, values, _ in curves}
-        groups.append({"quantity": quantity.replace("_", " "), "unit": shown.symbol, "curves": known})
+        displayed = DisplayUnits.read(None).of(curves[0][2], [values for _, values, _ in curves])
+        known = {
+            place: [v if v == v else None for v in (values / displayed.size).tolist()] for place, values, _ in curves
+        }
+        groups.append({"quantity": quantity.replace("_", " "), "unit": displayed.symbol, "curves": known})
     return {"path": dataset[path_name(dataset)].values[rows].tolist() if groups else [], "groups": groups}
 
 
