@@ -7,7 +7,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 import ropewalk
-from ropewalk.results.views import shapes
+from ropewalk.results.shape_views import shapes
 
 HERE = Path(__file__).parent
 
@@ -16,4 +16,4 @@ if __name__ == "__main__":
     fig = Figure(figsize=(7.2, 2.3), dpi=110, layout="constrained")
     shapes(result, fig.add_subplot())
     fig.savefig(HERE / "moving-force.png", pil_kwargs={"optimize": True}, metadata={"Software": None})
-    ropewalk.film(result, HERE / "moving-force.gif", size="640x360")
+    ropewalk.film(result, HERE / "moving-force.gif", size="800x310")

@@ -1,4 +1,4 @@
-"""Vehicles are drawn above their wheels, and only while they are on their lines; what hangs is drawn below."""
+"""Vehicles are drawn above their wheels, in films alone; what hangs is drawn below."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ import pytest
 
 import ropewalk
 from ropewalk.results import figure
-from ropewalk.results.drawn_bodies import drawn_bodies
+from ropewalk.results.stage import Stage
+from ropewalk.results.tempo import tempo
+from ropewalk.results.ties import hanging_bodies
 from ropewalk.scenario import loads
 
 DECK = """
@@ -34,19 +36,20 @@ KINDS = {
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_bodies_of_vehicles_are_drawn_above_the_line_while_they_are_on_it(kind):
+def test_bodies_of_vehicles_are_drawn_above_the_line_or_not_at_all(kind):
     found = ropewalk.simulate(loads(DECK + KINDS[kind]))
-    drawn, on = drawn_bodies(found), (found["contact_state"].values > 0.0).any(axis=1)
-    assert on.any()
-    assert not on.all()
-    assert np.isnan(drawn[~on]).all()
     assert (found["body_position"].values[..., -1] < 0.0).any()  # so it is stored
-    assert (drawn[on][..., -1] > np.nanmax(found["contact_position"].values[..., -1])).all()
-    names = [name.rpartition(".")[2] for name in found["body"].values.tolist()]
-    if "box" in names:
-        assert (drawn[on][:, names.index("box"), -1] > drawn[on][:, names.index("bogie"), -1]).all()
+    assert np.isnan(hanging_bodies(found)).all()
     labels = [line.get_label() for line in figure(found, panels=["shapes"]).axes[0].lines]
-    assert [label for label in labels if label.endswith(", raised above its wheels")]
+    assert "path of t" in "".join(labels)
+    assert not [label for label in labels if label.endswith(("box", "bogie", "mass"))]
+    stage = Stage(found, tempo(found))
+    k = len(stage) // 3
+    stage.picture(k)
+    wheels = stage._view(stage._arrays.contacts[k])
+    boxes = [path.vertices[:4] for path in stage._shapes.get_paths() if len(path.vertices) < 7]
+    assert boxes
+    assert min(box[:, 1].min() for box in boxes) > np.nanmin(wheels[:, 1])
 
 
 def test_a_payload_is_drawn_where_it_hangs():
@@ -54,4 +57,4 @@ def test_a_payload_is_drawn_where_it_hangs():
     load = "{kind: trolley, on: rope, mass: 50, payload: {mass: 100, length: 3}, travel: {speed: 0, from: 20}}"
     run = "run: {kind: dynamic, until: 0.02, every: 0.01}"
     found = ropewalk.simulate(loads(f"{rope}loads: {{t: {load}}}\n{run}"))
-    assert np.array_equal(drawn_bodies(found), found["body_position"].values)
+    assert np.array_equal(hanging_bodies(found), found["body_position"].values)

@@ -14,7 +14,6 @@ from PIL import Image
 from ropewalk.model import Scenario
 from ropewalk.results import Frame, Layout, Recorder, RunInfo, figure, film, html_report, summary, text
 from ropewalk.results.acceptance import acceptance_of, against_en50318_2002, against_simple_ac
-from ropewalk.results.contact_film import ContactStage
 from ropewalk.results.contact_statistics import (
     contact_statistics,
     filtered,
@@ -23,6 +22,8 @@ from ropewalk.results.contact_statistics import (
     scenario_of,
 )
 from ropewalk.results.frame import ENERGY_FORMS
+from ropewalk.results.stage import Stage
+from ropewalk.results.tempo import Tempo
 from ropewalk.scenario import load, loads
 from ropewalk.simulate import simulate
 
@@ -377,19 +378,21 @@ def test_a_film_follows_the_pantograph(small, tmp_path):
     film(small, tmp_path / "film.gif", frames=5)
     with Image.open(tmp_path / "film.gif") as gif:
         assert gif.n_frames == 5
-    stage = ContactStage(small, np.array([10, 30]), "real speed")
+    stage = Stage(small, Tempo(np.array([10, 30]), 40, "real speed"))
     first, last = stage.picture(0), stage.picture(1)
     assert first.shape == (*stage.size[::-1], 3)
     assert (first != last).any()
     np.testing.assert_array_equal(stage.picture(0), first)  # nothing is left over from other frames
-    assert re.fullmatch(r"z \(m\), drawn \d+ times as high", stage._figure.axes[0].get_ylabel())
-    assert stage._figure.axes[0].get_xlim() == (-60.0, 60.0)
+    low, high = stage._figure.axes[0].get_xlim()
+    assert high == -low >= 45.0
+    assert [ax.get_ylabel() for ax in stage._figure.axes[1:]] == ["(mm)", "(N)"]
+    assert "times as large" in stage._panel.get_title("right")
 
 
 def test_slack_droppers_have_another_colour(small):
     slack = int(np.argmax((small["tie_force"].values <= 0.0).sum(axis=1)))
-    stage = ContactStage(small, np.array([slack]), "")
-    stage.picture(0)
+    stage = Stage(small, Tempo(np.array([0, slack]), 40, ""))
+    stage.picture(1)
     colours = {tuple(colour) for colour in stage._droppers.get_colors()}
     assert len(colours) == 2
 

@@ -54,16 +54,3 @@ def test_the_scene_fills_its_panel_with_all_its_labels(extent):
 def test_labels_carry_units():
     axes = scene((10.0, 6.0, 0.1)).axes
     assert [axis.get_label_text() for axis in (axes.xaxis, axes.yaxis, axes.zaxis)] == ["x (m)", "y (m)", "z (m)"]
-
-
-def test_arrows_end_at_their_place_and_have_the_direction_of_the_force_on_the_page():
-    drawn = scene((10.0, 6.0, 0.1))  # z is drawn 20 times as large
-    tips, forces = np.array([[5.0, 3.0, 0.05]]), np.array([[0.0, 30.0, -40.0]])
-    stroke = drawn.arrows(tips, forces, longest=100.0)[0]
-    np.testing.assert_array_equal(stroke[1], tips[0])
-    np.testing.assert_array_equal(stroke[3], tips[0])
-    way = (stroke[1] - stroke[0]) * drawn.factor  # as drawn
-    np.testing.assert_allclose(way / np.linalg.norm(way), [0.0, 0.6, -0.8])
-    longest = np.linalg.norm((drawn.high - drawn.low) * drawn.factor) / 5.0
-    assert np.linalg.norm(way) == pytest.approx(longest / 2)
-    assert np.isfinite(drawn.arrows(tips, drawn._eye()[None], 1.0)).all()  # one that points at the eye

@@ -5,13 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import spatial_cases as cases
+import xarray as xr
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
 from ropewalk.results import figure, single
 from ropewalk.results.figures import panels_of
-from ropewalk.results.space_figure import CELLS, MESH, Chosen, shading, space
+from ropewalk.results.shape_views import CELLS, Chosen, shading
+from ropewalk.results.space_figure import MESH, space
 
 FEW = np.linspace(0.0, 2.0, 5)
 
@@ -33,8 +35,8 @@ def test_a_few_lines_are_drawn_at_several_instants_with_their_paths():
     whirl = cases.whirl(times=np.linspace(0.0, 2.0, 41))
     drawn = single(whirl, "space")
     curves = [line for line in three(drawn).lines if len(line.get_data_3d()[0]) == 31]
-    assert len(curves) == 9
-    np.testing.assert_allclose(np.transpose(curves[4].get_data_3d()), whirl["position"].values[20])
+    assert len(curves) == 7
+    np.testing.assert_allclose(np.transpose(curves[3].get_data_3d()), whirl["position"].values[20])
     assert "Shapes" in titles(drawn)
 
 
@@ -92,7 +94,7 @@ def test_every_panel_has_labels_with_units_and_a_title(tent):
 
 
 def test_panels_without_anything_to_show_are_left_out(tent):
-    assert {"Tension", "The 3 largest support forces of 4", "Place of the load sideways"} <= set(titles(tent))
+    assert {"Tension", "Support forces on the line", "Place of the load sideways"} <= set(titles(tent))
     alone, slow = panels_of(cases.net(times=FEW, side=5)), panels_of(cases.bridge(times=FEW, path="load_path"))
     assert "net_tension" in alone
     assert not {"tension", "reactions", "friction_power"} & set(alone)
@@ -113,13 +115,32 @@ def test_titles_and_legends_of_neighbours_do_not_meet(tent):
             assert min(across, up) <= 1.0  # pixels
 
 
-def test_the_support_forces_of_many_are_those_of_the_largest():
+def test_of_many_support_forces_the_sizes_are_drawn():
     bridge = cases.bridge(times=FEW)
     force = bridge["reaction"] * np.array([1.0, 5.0, 1.0, 4.0, 1.0, 3.0])[None, :, None]
-    drawn = single(bridge.assign(reaction=force), "reactions")
-    names = {line.get_label().rpartition(",")[0] for line in drawn.axes[0].lines}
-    assert names == {"cable a.end", "cable b.end", "deck.end"}
-    assert titles(drawn) == ["The 3 largest support forces of 6"]
+    curves = {line.get_label(): line.get_ydata() for line in
+              single(bridge.assign(reaction=force), "reactions").axes[0].lines}  # fmt: skip
+    assert len(curves) == 6
+    own = bridge["support"].values.tolist().index("cable a.end")
+    np.testing.assert_allclose(curves["size of cable a.end"], np.linalg.norm(force.values[:, own], axis=1))
+
+
+def test_of_more_than_seven_curves_the_three_largest_and_a_band_are_drawn():
+    bridge = cases.bridge(times=FEW)
+    twice = xr.concat([bridge[["reaction"]]] * 2, "support") * np.arange(1.0, 13.0)[None, :, None]
+    names = np.array([f"s{k}" for k in range(12)])
+    many = bridge.drop_dims("support").assign(reaction=twice["reaction"].drop_vars("support", errors="ignore"))
+    many = many.assign_coords(support=("support", names))
+    many["reaction"].attrs = bridge["reaction"].attrs
+    ax = single(many, "reactions").axes[0]
+    sizes = np.linalg.norm(many["reaction"].transpose("time", "support", "axis").values, axis=2)
+    labels = [line.get_label() for line in ax.lines]
+    assert labels[:2] == ["_least", "_largest"]
+    assert len(labels) == 5
+    largest = np.argsort(-np.abs(sizes).max(axis=0), kind="stable")[:3]
+    assert labels[2:] == [f"size of s{k}" for k in largest]
+    np.testing.assert_allclose(ax.lines[0].get_ydata(), sizes.min(axis=1))
+    np.testing.assert_allclose(ax.lines[1].get_ydata(), sizes.max(axis=1))
 
 
 def test_the_tensions_of_many_lines_are_those_of_the_most_pulled():

@@ -8,17 +8,15 @@ import spatial_cases as cases
 from matplotlib.markers import CARETUP
 from PIL import Image
 
-from ropewalk.results import film
-from ropewalk.results import space_film as under_test
-from ropewalk.results.animation import tempo
-from ropewalk.results.space_film import SpaceStage
+from ropewalk.results import film, film_arrays
+from ropewalk.results.stage import Stage
+from ropewalk.results.tempo import tempo
 
 FEW = np.linspace(0.0, 2.0, 5)
 
 
-def stage(result) -> SpaceStage:
-    timing = tempo(result)
-    return SpaceStage(result, timing.frames, timing.label)
+def stage(result) -> Stage:
+    return Stage(result, tempo(result))
 
 
 @pytest.mark.parametrize("name", ["bridge", "net"])
@@ -31,28 +29,32 @@ def test_a_film_moves_and_leaves_nothing_behind(name):
     np.testing.assert_array_equal(displayed.picture(0), first)
 
 
-def test_lines_nets_loads_and_bodies_are_where_they_belong():
+def test_lines_and_nets_are_where_they_belong():
     result = cases.bridge(times=FEW)
     displayed = stage(result)
     displayed.picture(3)
-    place = result["position"].values[3]
-    strokes = np.array(displayed._ropes._segments3d)
-    np.testing.assert_array_equal(strokes[:24, 0], place[:24])
-    np.testing.assert_array_equal(strokes[23, 1], place[24])
-    np.testing.assert_array_equal(strokes[24, 0], place[25])  # the next line begins anew
-    spot, body = result["contact_position"].values[3, 0], result["body_position"].values[3, 0]
-    np.testing.assert_array_equal(np.ravel(displayed._dots.get_data_3d()), spot)
-    np.testing.assert_array_equal(np.ravel(displayed._masses.get_data_3d()), body)
-    np.testing.assert_array_equal(displayed._ties._segments3d[0], [spot, body])
-    assert len(displayed._traces[0].get_data_3d()[0]) == 4
-    np.testing.assert_array_equal(displayed._arrows._segments3d[0][1], spot)
+    page = displayed._view(result["position"].values[3])
+    strokes = np.array(displayed._ropes.get_segments())
+    np.testing.assert_allclose(strokes[:24, 0], page[:24])
+    np.testing.assert_allclose(strokes[23, 1], page[24])
+    np.testing.assert_allclose(strokes[24, 0], page[25])  # the next line begins anew
     assert displayed._clock.get_text() == "time 1.5 s\nwalker  801 N"
     tent = cases.net(times=FEW, side=5, ropes=True)
     displayed = stage(tent)
     displayed.picture(2)
-    corners = tent["position"].values[2][np.array(tent["cell_node"].values, dtype=int)]
-    drawn = displayed._net._faces[..., :3]
-    np.testing.assert_allclose(drawn, corners)
+    corners = displayed._view(tent["position"].values[2][np.array(tent["cell_node"].values, dtype=int)])
+    drawn = np.array([path.vertices[:3] for path in displayed._net.get_paths()])
+    assert {tuple(c.round(6).ravel()) for c in drawn} == {tuple(c.round(6).ravel()) for c in corners}
+
+
+def test_triangles_in_front_cover_those_behind():
+    displayed = stage(cases.net(times=FEW, side=5))
+    displayed.picture(1)
+    view, drawn = displayed._view, displayed._net.get_paths()
+    corners = displayed._arrays.nodes[1][displayed._arrays.cells]
+    last = np.argmin(np.linalg.norm(view(corners).mean(axis=1) - drawn[-1].vertices[:3].mean(axis=0), axis=1))
+    away = view.away(corners).mean(axis=1)
+    assert away[last] == pytest.approx(away.min())
 
 
 def test_colours_belong_to_the_frame():
@@ -60,7 +62,8 @@ def test_colours_belong_to_the_frame():
     displayed = stage(net)
     displayed.picture(1)
     colours = displayed._net_shade.to_rgba(net["cell_tension"].values[1].max(axis=1))
-    np.testing.assert_allclose(displayed._net._facecolor3d, colours)
+    drawn = displayed._net.get_facecolor()
+    np.testing.assert_allclose(np.sort(drawn, axis=0), np.sort(colours, axis=0))
     assert len(np.unique(colours, axis=0)) > 3
     high = stage(cases.net(times=FEW, side=5, known=False))
     high.picture(1)
@@ -69,8 +72,8 @@ def test_colours_belong_to_the_frame():
 
 def test_supports_that_move_are_not_marked():
     def marked(result):
-        feet = [line for line in stage(result)._scene.axes.lines if line.get_marker() == CARETUP]
-        return sum(len(line.get_data_3d()[0]) for line in feet)
+        feet = [line for line in stage(result)._panel.lines if line.get_marker() == CARETUP]
+        return sum(len(line.get_xdata()) for line in feet)
 
     whirl = cases.whirl(times=FEW)
     swaying = whirl["position"].values.copy()
@@ -82,22 +85,27 @@ def test_supports_that_move_are_not_marked():
 def test_a_load_off_the_line_is_not_drawn_and_no_fault():
     bridge = cases.bridge(times=FEW)
     there = bridge["time"] < 0.9
-    gone = {name: bridge[name].where(there) for name in ("contact_position", "contact_force")}
+    gone = {name: bridge[name].where(there) for name in ("contact_position", "contact_force", "body_position")}
     displayed = stage(bridge.assign(gone))
+    displayed.picture(0)
+    assert displayed._shapes.get_paths()
     displayed.picture(4)
-    assert len(displayed._arrows._segments3d) == 0
+    assert not displayed._shapes.get_paths()
 
 
-def test_a_fine_net_is_filmed_coarser(monkeypatch):
-    monkeypatch.setattr(under_test, "CELLS", 100)
-    displayed = stage(cases.net(times=FEW, side=21))
+def test_a_fine_net_is_filmed_coarser_and_needs_few_nodes(monkeypatch):
+    monkeypatch.setattr(film_arrays, "CELLS", 100)
+    monkeypatch.setattr(film_arrays, "TOGETHER", 900)  # read in several parts
+    fine = cases.net(times=FEW, side=21)
+    displayed = stage(fine)
     displayed.picture(1)
-    assert 50 < len(displayed._net._facecolor3d) < 200
+    assert 50 < len(displayed._net.get_facecolor()) < 200
+    assert displayed._arrays.nodes.shape[1] < fine.sizes["node"] / 2
 
 
 def test_film_picks_three_dimensions_and_writes_every_frame(tmp_path, monkeypatch):
     seen = []
-    monkeypatch.setattr(SpaceStage, "_move", lambda self, k, move=SpaceStage._move: (seen.append(k), move(self, k))[1])
+    monkeypatch.setattr(Stage, "_move", lambda self, k, move=Stage._move: (seen.append(k), move(self, k))[1])
     film(cases.net(times=FEW, side=4), tmp_path / "film.gif")
     with Image.open(tmp_path / "film.gif") as gif:
         assert gif.n_frames == 5

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SMALL, LARGE = 0.01, 1e5  # in the unit shown: smaller and larger numbers are labelled with a power of ten
+LOW = 0.1  # m: smaller coordinates are labelled as lengths
 _LABEL = re.compile(r"(?P<what>.*)\((?P<unit>[^()]+)\)(?P<more>[^()]*)")
 _PLACE = re.compile(r"[xyz] |time |load path ")  # coordinates and instants
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -54,12 +55,17 @@ def show_units(figure: Figure, units: DisplayUnits) -> None:
     """Label vertical axes, colour bars and level axes of places, drawn in SI units, in the units to show."""
     for ax in figure.axes:
         if ax.name != "3d" and units.place.size != 1.0 and ax.get_xlabel().endswith("(m)"):
-            ax.xaxis.set_major_locator(_Marks(units.place.size))
-            ax.xaxis.set_major_formatter(_Numbers(units.place.size))
+            round_axis(ax.xaxis, units.place.size)
             ax.set_xlabel(f"{ax.get_xlabel()[:-3]}({units.place.symbol})", fontsize=style.LABEL, color=style.INK)
         low, high = ax.get_ylim()
         if ax.name != "3d" and ax.get_yscale() == "linear" and (displayed := unit_of(ax, units)) is not None:
             _label(ax, ax.yaxis, displayed, max(abs(low), abs(high)))
+
+
+def round_axis(axis: Axis, size: float) -> None:
+    """Mark an axis at round numbers of a unit, whose size is given in what is drawn."""
+    axis.set_major_locator(_Marks(size))
+    axis.set_major_formatter(_Numbers(size))
 
 
 def displayed_size(axis: Axis) -> float:
@@ -73,7 +79,7 @@ def unit_of(ax: Axes, units: DisplayUnits) -> DisplayUnit | None:
     found = _LABEL.fullmatch(ax.get_ylabel())
     if found is None or found["unit"] not in ENGINEERING:
         return None
-    if _PLACE.match(found["what"]):
+    if _PLACE.match(found["what"]) and not (found["unit"] == "m" and np.abs(ax.get_ylim()).max() < LOW):
         return units.place if found["unit"] == "m" else DisplayUnit(found["unit"], 1.0)
     return units.of(found["unit"], [ax.get_ylim()])
 
@@ -81,10 +87,9 @@ def unit_of(ax: Axes, units: DisplayUnits) -> DisplayUnit | None:
 def _label(ax: Axes, axis: Axis, displayed: DisplayUnit, largest: float) -> None:
     found = _LABEL.fullmatch(ax.get_ylabel())
     assert found is not None
-    size, symbol = displayed.size, displayed.symbol
+    size, symbol = displayed.size, displayed.symbol.replace("^2", "²").replace("*", "·")
     if not _PLACE.match(found["what"]) and not SMALL * size <= largest < LARGE * size and largest > 0.0:
         power = int(np.floor(np.log10(largest / size)))
         size, symbol = size * 10.0**power, f"10{str(power).translate(_RAISED)} {symbol}"
-    axis.set_major_locator(_Marks(size))
-    axis.set_major_formatter(_Numbers(size))
+    round_axis(axis, size)
     ax.set_ylabel(f"{found['what']}({symbol}){found['more']}", fontsize=style.LABEL, color=style.INK)

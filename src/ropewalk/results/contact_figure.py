@@ -33,6 +33,7 @@ from ropewalk.results.contact_summary import limits_of
 from ropewalk.results.course import courses, on_lines, on_strips, transitions
 from ropewalk.results.frame import Array
 from ropewalk.results.limits import FAIL, Judgement
+from ropewalk.results.shape_views import bar
 from ropewalk.results.table import ROUND_OFF
 
 if TYPE_CHECKING:
@@ -184,7 +185,7 @@ def _force(ax: Axes, history: _LoadHistory, *, alone: bool) -> None:
     found = history.found
     for i, (line, share) in enumerate(history.shares.items()):
         mine: dict[str, Any] = {"color": style.CYCLE[-1 - i], "linewidth": style.THIN}
-        ax.plot(history.station[some], share[some], **mine, label=f"of it on {line}")
+        ax.plot(history.station[some], share[some], **mine, label=f"part on {line}")
     if math.isfinite(found.mean):
         ends = [found.first, found.last]
         level: dict[str, Any] = {"color": style.BLACK, "linewidth": style.LINE}
@@ -195,7 +196,7 @@ def _force(ax: Axes, history: _LoadHistory, *, alone: bool) -> None:
             ax.plot(ends, [bound] * 2, **level, linestyle=(0, (5, 2)), label=caption or "_mean + 3σ")
         if math.isfinite(found.target):
             target: dict[str, Any] = {"color": style.GREEN, "linewidth": style.LINE, "linestyle": ":"}
-            ax.plot(ends, [found.target] * 2, **target, label=f"asked for: {found.target:.1f} N")
+            ax.plot(ends, [found.target] * 2, **target, label=f"target: {found.target:.1f} N")
     # A spike as a pantograph leaves the line would hide everything else.
     seen = history.force[np.isfinite(history.force)]
     high = float(np.percentile(seen, 99.9)) if seen.size else 1.0
@@ -268,11 +269,7 @@ def _droppers(ax: Axes, lines: dict[str, LineStatistics]) -> None:
     )
     if loose.any():
         ax.plot(station[loose], low[loose], color=style.RED, markerfacecolor="white", **dots, label="slackens")
-    bar = ax.figure.colorbar(ScalarMappable(scale, shades), ax=ax, fraction=0.03, pad=0.01, aspect=18)
-    bar.set_label("time slack (%)", fontsize=style.LABEL, color=style.INK)
-    bar.ax.yaxis.set_major_formatter(PercentFormatter(1.0, symbol=""))
-    bar.ax.tick_params(labelsize=style.TICK, colors=style.INK, width=0.6, length=3)
-    bar.outline.set_visible(False)
+    bar(ax, ScalarMappable(scale, shades), "time slack (%)").yaxis.set_major_formatter(PercentFormatter(1.0, symbol=""))
     style.legend(ax)
 
 

@@ -24,8 +24,10 @@ from ropewalk.results.nets import is_spatial
 from ropewalk.results.page import Page
 from ropewalk.results.response_views import VIEWS_OF_PLACES, seen_at_places, with_first_axles
 from ropewalk.results.ropeway_views import VIEWS_OF_CARRIAGES, seen_of_carriages
-from ropewalk.results.space_figure import is_long, plan, space
+from ropewalk.results.shape_views import plan
+from ropewalk.results.space_figure import is_long, space
 from ropewalk.results.table import NOTHING, ROUND_OFF
+from ropewalk.results.trains import grouped_contacts
 from ropewalk.results.views import VIEWS, any_of, headline
 
 if TYPE_CHECKING:
@@ -109,7 +111,7 @@ def figure_data(
 
 def _head(label: str) -> str:
     """The label of an axis as the head of a column."""
-    return re.sub(r"\((.+)\).*", r"[\1]", label)
+    return re.sub(r"\((.+)\).*", r"[\1]", label).replace("²", "^2").replace("·", "*")
 
 
 def panels_of(dataset: xr.Dataset) -> list[str]:
@@ -125,15 +127,16 @@ def panels_of(dataset: xr.Dataset) -> list[str]:
     if frames < 2:
         return [*first, *(["tension_along"] if frames and any_of(dataset, "tension") else [])]
     force = "hold_force" if _matters(dataset, "hold_force", "contact_force") else "contact_force"
+    single = dataset.sizes["contact"] > len(grouped_contacts(dataset))
     aside = "y" in dataset["axis"].values and _moves(dataset["contact_position"].sel(axis="y").values)
-    in_time, loads = path_name(dataset) == "time", dataset.sizes["contact"] > 0
+    in_time = path_name(dataset) == "time"
     wanted = {
         "tension": any_of(dataset, "tension"),
         "net_tension": "cell_tension" in dataset and any_of(dataset, "cell_tension"),
-        "contact_height": loads,
-        "contact_sideways": loads and aside,
+        "contact_height": single,
+        "contact_sideways": single and aside,
         "energy": any_of(dataset, "energy"),
-        force: any_of(dataset, force),
+        force: any_of(dataset, force) and _moves(dataset[force].values),
         "contact_speed": any_of(dataset, "friction_power"),
         "friction_power": any_of(dataset, "friction_power"),
         "imbalance": in_time and any_of(dataset.sel(form=AUDIT), "energy"),
@@ -145,7 +148,7 @@ def panels_of(dataset: xr.Dataset) -> list[str]:
 
 
 def _moves(places: Array) -> bool:
-    """Whether coordinates (frame, point) in m change at all."""
+    """Whether coordinates (frame, ...) in m, or forces in N, change at all."""
     kept = places[:, np.isfinite(places).any(axis=0)]
     return bool((np.nanmax(kept, axis=0) - np.nanmin(kept, axis=0) > ROUND_OFF).any()) if kept.size else False
 

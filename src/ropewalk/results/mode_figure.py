@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 DISPLAYED = 12  # modes
 COLUMNS = 3
 SMALL = 1e-6  # of the largest displacement: a component that is nowhere larger is not drawn
+SIDES = {"x": "along x", "y": "sideways, y", "z": "up, z"}
 COMPONENTS = (("x", style.GREEN, ":"), ("y", style.RED, "--"), ("z", style.BLUE, "-"))
 
 
@@ -52,7 +53,8 @@ def mode_figure(spectrum: Spectrum, displayed: int = DISPLAYED) -> Figure:
         ax.xaxis.set_tick_params(labelbottom=below)
     for ax in axes[count:]:
         ax.set_visible(False)
-    handles = [axes[0].plot([], [], color=c, linestyle=s, label=name)[0] for name, c, s in COMPONENTS if name in drawn]
+    handles = [axes[0].plot([], [], color=c, linestyle=s, label=SIDES[name])[0]
+               for name, c, s in COMPONENTS if name in drawn]  # fmt: skip
     fig.legend(handles=handles, loc="outside upper right", ncols=3, fontsize=style.NOTE, frameon=False)
     fig.suptitle(f"Lowest modes of {spectrum.name}", fontsize=style.TITLE + 1, color=style.INK, x=0.01, ha="left")
     return fig

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 Indices = NDArray[np.intp]
 
+FAR = 0.01  # of the size: supports that move further are not marked
 LOOKED_AT = 101  # frames that are searched for what stands out
 SIDEWAYS = 1e-6  # extents sideways below this part of the size are round-off
 
@@ -73,7 +74,8 @@ def most_deflected(dataset: xr.Dataset) -> int:
 def line_ends(dataset: xr.Dataset, line: str) -> Indices:
     """Numbers of the nodes at the ends of a line that supports hold: joints with other lines and nets are left out.
 
-    An end that another line shares counts as held if a support bears its name, or if it never moves.
+    An end that another line shares counts as held if a support bears its name, or if it never moves; one that moves far
+    is at a winch, a weight or a machine.
     """
     here = np.flatnonzero(dataset["line"].values == line)
     others = np.flatnonzero(dataset["line"].values != line)
@@ -81,14 +83,15 @@ def line_ends(dataset: xr.Dataset, line: str) -> Indices:
     first = dataset["position"][0].values
     size = np.nanmax(np.ptp(first, axis=0))
     restrained = []
+    paths = dataset["position"].isel(node=here[[0, -1]]).values
     for node, end in ((here[0], "start"), (here[-1], "end")):
+        away = float(np.nanmax(np.ptp(paths[:, int(end == "end")], axis=0), initial=0.0))
+        if away > FAR * size:
+            continue
         alone = not (np.abs(first[others] - first[node]).max(axis=1) <= 1e-9 * size).any()
-        if alone or f"{line}.{end}" in named:
+        still = dataset.sizes[path_name(dataset)] > 1 and away <= 1e-9 * size
+        if alone or still or f"{line}.{end}" in named:
             restrained.append(node)
-        elif dataset.sizes[path_name(dataset)] > 1:
-            way = dataset["position"].isel(node=node).values
-            if np.ptp(way, axis=0).max() <= 1e-9 * size:
-                restrained.append(node)
     return np.array(restrained, dtype=np.intp)
 
 

@@ -9,30 +9,28 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ropewalk.results import style
-from ropewalk.results.contract import path_name
 from ropewalk.results.line_response import UNITS, histories
 from ropewalk.results.people import crowds_in
 from ropewalk.results.trains import trains_in
-from ropewalk.results.views import colour_of, path_label
+from ropewalk.results.views import draw_curves, path_label
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
 _TITLES = {
-    "deflection": "Deflection", "acceleration": "Acceleration, filtered", "lateral_deflection": "Lateral deflection",
+    "deflection": "Deflection, downward", "acceleration": "Acceleration, filtered",
+    "lateral_deflection": "Lateral deflection",
     "lateral_acceleration": "Lateral acceleration, filtered", "moment": "Bending moment", "shear": "Shear",
 }  # fmt: skip
 
 
 def _of_places(dataset: xr.Dataset, ax: Axes, *, quantity: str) -> None:
     """Draw a quantity at all named places."""
-    path = dataset[path_name(dataset)].values
     own = [(name.rpartition(".")[0], values) for name, values, _ in histories(dataset) if name.endswith(f".{quantity}")]
-    for k, (name, values) in enumerate(own):
-        if np.isfinite(values).any():
-            ax.plot(path, values, color=colour_of(k), linewidth=style.LINE, label=name)
-    style.dress(ax, _TITLES[quantity], path_label(dataset), f"{quantity.replace('_', ' ')} ({UNITS[quantity]})")
+    draw_curves(dataset, ax, [(name, values, {}) for name, values in own if np.isfinite(values).any()])
+    label = f"{quantity.replace('_', ' ')} ({UNITS[quantity].replace('^2', '²')})"
+    style.dress(ax, _TITLES[quantity], path_label(dataset), label)
     style.legend(ax)
 
 
@@ -49,13 +47,13 @@ def seen_at_places(dataset: xr.Dataset) -> list[str]:
 
 
 def with_first_axles(dataset: xr.Dataset) -> xr.Dataset:
-    """The same result with one contact for each crowd and train, of this by its name, and one body of this."""
-    trains = trains_in(dataset)
-    names = dataset["load"].values.tolist()
-    others = {k for own in (*trains.values(), *crowds_in(dataset).values()) for k in own[1:]}
+    """The same result with one contact for each crowd and train, which carries the name and the forces of the whole."""
+    trains, names = trains_in(dataset), dataset["load"].values.tolist()
+    groups = {name: own for name, own in {**trains, **crowds_in(dataset)}.items() if len(own) > 1}
+    others = {k for own in groups.values() for k in own[1:]}
     if not others:
         return dataset
-    first = {own[0]: name for name, own in trains.items()}
+    first = {own[0]: name for name, own in groups.items()}
     kept = [k for k in range(len(names)) if k not in others]
     labels = np.array([first.get(k, names[k]) for k in kept], dtype=np.str_)
     bodies = dataset["body"].values.tolist() if "body" in dataset.coords else []
@@ -66,4 +64,11 @@ def with_first_axles(dataset: xr.Dataset) -> xr.Dataset:
             drawn.append(k)
         seen.add(train)
     reduced = dataset.isel(contact=kept, body=drawn) if bodies else dataset.isel(contact=kept)
+    for name in ("contact_force", "hold_force"):
+        force, total = dataset[name].values, reduced[name].values.copy()
+        for k, load in first.items():
+            own = force[:, groups[load]]
+            whole = np.where(np.isfinite(own).any(axis=1), np.nansum(own, axis=1), np.nan)
+            total[:, kept.index(k)] = whole
+        reduced = reduced.assign({name: (dataset[name].dims, total, dataset[name].attrs)})
     return reduced.assign_coords(load=("contact", labels, dataset["load"].attrs))

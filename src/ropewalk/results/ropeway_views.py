@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ropewalk.results import style
-from ropewalk.results.contract import path_name
 from ropewalk.results.frame import Array
 from ropewalk.results.ropeway import courses
-from ropewalk.results.views import colour_of, finish_loads, path_label
+from ropewalk.results.shape_views import colour_of
+from ropewalk.results.views import Curve, draw_curves, finish_loads, path_label
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -20,19 +20,17 @@ if TYPE_CHECKING:
 _DASHES: tuple[Any, ...] = ("-", (0, (4, 1.5)), (0, (1, 1.2)))
 
 
-def _draw(dataset: xr.Dataset, ax: Axes, curves: Iterable[tuple[str, int, int, Array]]) -> None:
-    """Draw curves given by label, number of the carriage, number of the quantity, and values (instant,)."""
-    path = dataset[path_name(dataset)].values
-    for label, k, n, values in curves:
-        if np.isfinite(values).any():
-            ax.plot(path, values, color=colour_of(k), linestyle=_DASHES[n], linewidth=style.LINE, label=label)
+def _curve(label: str, k: int, n: int, values: Array) -> Curve:
+    """A curve of a carriage and a quantity, given by their numbers."""
+    return label, values, {"color": colour_of(k), "linestyle": _DASHES[n]}
 
 
 def _named(dataset: xr.Dataset, ax: Axes, wanted: Mapping[str, str]) -> None:
     own = enumerate(courses(dataset).items())
-    _draw(dataset, ax, [
-        (f"{name}, {what}" if what else name, k, n, course[key][0])
-        for k, (name, course) in own for n, (key, what) in enumerate(wanted.items()) if key in course
+    draw_curves(dataset, ax, [
+        _curve(f"{name}, {what}" if what else name, k, n, course[key][0])
+        for k, (name, course) in own for n, (key, what) in enumerate(wanted.items())
+        if key in course and np.isfinite(course[key][0]).any()
     ])  # fmt: skip
 
 
@@ -53,8 +51,8 @@ def hauling_rope(dataset: xr.Dataset, ax: Axes) -> None:
 def wheel_load(dataset: xr.Dataset, ax: Axes) -> None:
     """Draw the largest and the least load of a wheel of all carriages."""
     loads = {name: course["wheel_load"][0] for name, course in courses(dataset).items()}
-    _draw(dataset, ax, [
-        (f"{name}, {what}", k, n, pick.reduce(values, axis=1))
+    draw_curves(dataset, ax, [
+        _curve(f"{name}, {what}", k, n, pick.reduce(values, axis=1))
         for k, (name, values) in enumerate(loads.items())
         for n, (what, pick) in enumerate((("largest", np.fmax), ("least", np.fmin)))
     ])  # fmt: skip

@@ -26,7 +26,6 @@ EYES = {"square": (36.0, -58.0), "long": (20.0, -66.0)}  # degrees: elevation, a
 EDGE = 3.0  # points around everything
 PAD = 15.0  # points between axes and labels, before `settle`
 TICKS = 7  # most ticks of the longest side
-HEAD = (0.2, 0.07)  # length and half width of the head of an arrow, to its length
 
 
 class Scene:
@@ -118,29 +117,6 @@ class Scene:
         across, up, _, scale = self.axes.get_proj() @ np.vstack((corners, np.ones(8)))
         places = self.axes.transData.transform(np.stack((across, up), axis=1) / scale[:, None])
         return Bbox([places.min(axis=0), places.max(axis=0)])
-
-    def arrows(self, tips: Array, forces: Array, longest: float) -> Array:
-        """Strokes of arrows that end at `tips` and point along `forces` as the page shows directions.
-
-        Args:
-            tips: (arrow, 3) m.
-            forces: (arrow, 3) N.
-            longest: force that is drawn as long as a fifth of the box.
-
-        Returns:
-            Array (arrow, 5, 3) m: one stroke for each arrow, from tail over tip to both sides of the head.
-        """
-        size = float(np.linalg.norm((self.high - self.low) * self.factor)) / 5.0
-        way = forces / longest * size
-        eye = self._eye()
-        across = np.cross(way, eye)
-        length = np.linalg.norm(across, axis=1, keepdims=True)
-        with np.errstate(invalid="ignore"):
-            across *= np.where(length > 0.0, np.linalg.norm(way, axis=1, keepdims=True) / length, 0.0)
-        back, aside = HEAD[0] * way, HEAD[1] * across
-        zero = np.zeros_like(way)
-        strokes = np.stack((-way, zero, -back + aside, zero, -back - aside), axis=1)
-        return np.asarray(tips[:, None] + strokes / self.factor)
 
     def _eye(self) -> Array:
         elevation, azimuth = np.radians((self.axes.elev, self.axes.azim))

@@ -30,6 +30,7 @@ CYCLE = (BLUE, RED, GREEN, ORANGE, PURPLE, SKY, BLACK)
 LOAD = RED
 INSTANTS = "viridis"  # early to late
 TENSION = "plasma"  # low to high
+HEIGHT = "cividis"
 RANGE = (0.0, 0.88)  # of both maps: their light ends are hard to see on white
 
 INK = "#333333"
@@ -119,8 +120,14 @@ def remark(ax: Axes, text: str) -> None:
 
 
 def legend(ax: Axes, columns: int = LEGEND_COLUMNS) -> None:
-    """A legend between title and axes, where it hides nothing, if anything carries a label."""
+    """A legend between title and axes, where it hides nothing, if anything carries a label.
+
+    The label of a single solid curve stands at the right end of the title, if that is empty.
+    """
     handles, labels = ax.get_legend_handles_labels()
+    if len(handles) == 1 and getattr(handles[0], "get_linestyle", str)() == "-" and not ax.get_title("right"):
+        remark(ax, labels[0])
+        return
     if not handles:
         return
     options: dict[str, Any] = {"fontsize": points("NOTE"), "labelcolor": INK, "handlelength": 1.8, "columnspacing": 1.4}
@@ -131,7 +138,7 @@ def legend(ax: Axes, columns: int = LEGEND_COLUMNS) -> None:
 
 
 def settle(rows: Iterable[Sequence[Axes]]) -> None:
-    """Give legends as many columns as there is room for, once axes have their places, and titles of a row one height.
+    """Give legends as many columns as there is room for, once axes have their places.
 
     Args:
         rows: panels that stand side by side.
@@ -141,7 +148,7 @@ def settle(rows: Iterable[Sequence[Axes]]) -> None:
             if (found := ax.get_legend()) is not None:
                 legend(ax, _columns(ax, found))
             _part_titles(ax)
-        lift_titles(row)
+            lift_titles([ax])
 
 
 def _part_titles(ax: Axes) -> None:

@@ -6,10 +6,26 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ropewalk.results.declared import declared
 from ropewalk.results.frame import Array
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+ON_SPRINGS = ("oscillator", "vehicle", "matrices", "train")  # kinds of loads whose bodies are above their contacts
+
+
+def hanging_bodies(dataset: xr.Dataset) -> Array:
+    """Return the positions of bodies, (frame, body, axis) m; NaN of those of vehicles, which are above their wheels.
+
+    Springs of vehicles have no length of their own: drawn at its position, a train would hang below its bridge.
+    """
+    place, loads = np.array(dataset["body_position"].values, dtype=float), declared(dataset, "loads")
+    bodies = dataset["body"].values.tolist()
+    above = [loads.get(body.partition(".")[0], {}).get("kind") in ON_SPRINGS for body in bodies]
+    place[:, np.array(above, dtype=np.bool_)] = np.nan
+    return place
 
 
 def ties(dataset: xr.Dataset) -> list[tuple[int, int]]:

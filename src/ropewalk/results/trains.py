@@ -13,6 +13,7 @@ from ropewalk.results.contact_statistics import contacts_by_load, scenario_of
 from ropewalk.results.contract import path_name
 from ropewalk.results.frame import Array
 from ropewalk.results.line_response import accelerations
+from ropewalk.results.people import crowds_in
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,6 +22,11 @@ if TYPE_CHECKING:
 def trains_in(dataset: xr.Dataset) -> dict[str, list[int]]:
     """The contacts of each train, by its name."""
     return contacts_by_load(dataset, Axles, Train)
+
+
+def grouped_contacts(dataset: xr.Dataset) -> set[int]:
+    """Return the numbers of contacts that belong to trains and crowds, whose single axles and feet are not drawn."""
+    return {k for own in (*trains_in(dataset).values(), *crowds_in(dataset).values()) for k in own}
 
 
 def train_summary(dataset: xr.Dataset) -> dict[str, Any]:

@@ -2,182 +2,96 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.cm import ScalarMappable
-from matplotlib.collections import LineCollection
-from matplotlib.colors import Normalize
-from matplotlib.markers import CARETUP
-from numpy.typing import NDArray
 
 from ropewalk.results import style
 from ropewalk.results.audit import AUDIT, rounding, turnover
 from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contract import path_name
 from ropewalk.results.display_units import number
-from ropewalk.results.drawn import drawn_position
-from ropewalk.results.drawn_bodies import drawn_bodies
 from ropewalk.results.frame import ENERGY_FORMS, Array
-from ropewalk.results.nets import line_ends, net_names
+from ropewalk.results.nets import net_names
+from ropewalk.results.shape_views import POINTS, SHAPES, colour_of, instants_bar, shapes, word
 from ropewalk.results.statistics import blocks, lines
+from ropewalk.results.strength import strengths
 from ropewalk.results.table import ENERGY_LABELS, LARGEST, percent
-from ropewalk.results.ties import tied, ties
+from ropewalk.results.trains import grouped_contacts
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SHAPES = 9  # instants drawn
-CURVES = 11  # more than these make a view unreadable
-POINTS = 2000  # most points drawn of one curve
+CURVES = 7  # more than these make a view unreadable
 SEEN = 0.005  # of the largest value in a panel: what is no larger cannot be told from zero
-FLATTEST = 0.14  # flatter shapes than this (height to width) are drawn with exaggerated heights
-
-
-def shapes(dataset: xr.Dataset, ax: Axes, instants: int = SHAPES) -> None:
-    """Draw side views of the lines at several instants (early to late) with the paths of the loads and their bodies.
-
-    Lengths and heights have one scale, unless the shape is so flat that nothing could be seen: then the heights
-    are exaggerated by a round number, which the label states.
-    """
-    name = path_name(dataset)
-    frames = style.thinned(dataset.sizes[name], instants)
-    chosen = dataset.isel({name: frames})
-    position = drawn_position(chosen)
-    colours = style.colours(style.INSTANTS)(np.linspace(0.0, 1.0, max(len(frames), 2)))
-    for line in lines(dataset):
-        here = np.flatnonzero(dataset["line"].values == line)
-        here = here[style.thinned(len(here), POINTS)]
-        x, z = position[:, here, 0], position[:, here, -1]
-        for k in range(len(frames)):
-            ax.plot(x[k], z[k], color=colours[k], linewidth=style.LINE, label=_instant(dataset, line, frames[k]))
-        ends: dict[str, Any] = {
-            "marker": CARETUP,
-            "color": style.INK,
-            "markersize": style.sized(8),
-            "linestyle": "none",
-            "zorder": 4,
-        }
-        restrained = dataset["position"][frames[0]].isel(node=line_ends(dataset, line)).values
-        if len(restrained):
-            ax.plot(restrained[:, 0], restrained[:, -1], **ends, clip_on=False)
-    paths = contact_curves(dataset)
-    for k, (load, path) in enumerate(paths):
-        label = f"path of {load}"
-        ax.plot(
-            path[:, 0],
-            path[:, -1],
-            color=load_colour(dataset, k),
-            linewidth=style.LINE,
-            linestyle=(0, (1, 1.2)),
-            label=label,
-        )
-        there = dataset["contact_position"][:, k].isel({name: frames}).values
-        ax.scatter(
-            there[:, 0],
-            there[:, -1],
-            c=colours[: len(frames)],
-            s=style.sized(style.sized(26)),
-            zorder=5,
-            edgecolors="white",
-            linewidths=0.7,
-        )
-    bodies = _draw_bodies(dataset, ax, frames, colours)
-    values, unit = dataset[name].values[frames], dataset[name].attrs["units"]
-    factor = set_scale(ax, position, [*(path for _, path in paths), *bodies])
-    height = "z (m)" if factor == 1.0 else f"z (m), drawn {factor:g} times as high"
-    style.dress(ax, "Shapes", "x (m)", height)
-    if len(frames) > 1:
-        instants_bar(ax, values, f"{word(dataset)} ({unit})")
-    style.legend(ax)
-
-
-def _instant(dataset: xr.Dataset, line: str, frame: int) -> str:
-    """Name of a curve at an instant, which has a colour bar instead of an entry in the legend."""
-    name = path_name(dataset)
-    return f"_{line} at {word(dataset)} {number(float(dataset[name].values[frame]))} {dataset[name].attrs['units']}"
-
-
-def _draw_bodies(dataset: xr.Dataset, ax: Axes, frames: NDArray[np.intp], colours: Any) -> list[Array]:
-    """Draw payloads, sprung masses and people at some instants, tied to their contacts; gives their paths."""
-    if not dataset.sizes["body"]:
-        return []
-    every, kept = drawn_bodies(dataset)[..., [0, -1]], dataset["body_position"].values[..., -1]
-    raised = np.nanmax(every[..., 1] - kept, axis=0, initial=0.0) > 0.0
-    spots = dataset["contact_position"].values[..., [0, -1]]
-    pairs = ties(dataset)
-    for frame, colour in zip(frames, colours, strict=False):
-        segments = tied(every[frame], spots[frame], pairs)
-        ax.add_collection(LineCollection(list(segments), colors=[colour], linewidths=style.THIN), autolim=False)
-    for i, body in enumerate(dataset["body"].values.tolist()):
-        ax.plot(
-            every[:, i, 0], every[:, i, 1], color=style.FAINT, linewidth=style.THIN, linestyle=(0, (4, 1.5)),
-            label=f"path of {body}{', raised above its wheels' if raised[i] else ''}", zorder=1,
-        )  # fmt: skip
-        ax.scatter(
-            every[frames, i, 0],
-            every[frames, i, 1],
-            c=colours[: len(frames)],
-            s=style.sized(style.sized(30)),
-            marker="s",
-            zorder=5,
-        )
-    return [every[:, i] for i in range(dataset.sizes["body"])]
+REACH = 2.0  # times the largest value: limits beyond this are named only
+LIMIT: Any = {"color": style.RED, "linewidth": 1.2, "linestyle": (0, (6, 2)), "zorder": 1}  # look of a limit
+Curve = tuple[str, Array, dict[str, Any]]  # label, values (instant,), look
 
 
 def tension(dataset: xr.Dataset, ax: Axes) -> None:
-    """Draw the largest tension, the tensions at the ends of the lines, and behind and ahead of the loads."""
-    path = dataset[path_name(dataset)].values
+    """Draw the largest tension, the tensions at the ends of the lines, behind and ahead of the loads, and strengths."""
+    curves, names = list[Curve](), lines(dataset)
     if dataset.sizes["link"]:
         largest = np.concatenate([_row_max(block["tension"].values) for block in blocks(dataset)])
-        ax.plot(path, largest, color=style.INK, linewidth=style.LINE, label="largest")
-    names = lines(dataset)
-    several = len(names) > 1
-    count = (2 * len(names) if len(names) <= LARGEST else LARGEST) + 2 * dataset.sizes["contact"]
-    nth = iter(range(count))
-    ends = ((0, "start", style.BLUE), (-1, "end", style.SKY))
+        curves.append(("largest", largest, {"color": style.INK}))
     if len(names) > LARGEST:  # more lines than these make the view unreadable
-        _most_pulled(dataset, ax, names, nth, count)
+        curves += _most_pulled(dataset, names)
     for line in names if len(names) <= LARGEST else ():
         here = np.flatnonzero(dataset["link_line"].values == line)
-        for index, end, colour in ends:
+        for index, end, colour in ((0, "start", style.BLUE), (-1, "end", style.SKY)):
+            label = f"{end} of {line}" if len(names) > 1 else f"at the {end}"
             values = dataset["tension"].isel(link=here[index]).values
-            label = f"{end} of {line}" if several else f"at the {end}"
-            ax.plot(
-                path,
-                values,
-                color=colour,
-                linewidth=style.THIN,
-                label=label,
-                **style.marks(next(nth), count, path.size),
-            )
-    sides = ((0, "behind", style.RED, "-"), (1, "ahead of", style.ORANGE, "--"))
-    alone = dataset.sizes["contact"] == 1
-    for k, load in enumerate(dataset["load"].values.tolist()):
-        for index, side, own, dashes in sides:
-            colour = own if alone else colour_of(k)  # several loads have a colour each, and each side its dashes
-            values = dataset["contact_tension"][:, k, index].values
-            if np.isfinite(values).any():  # loads on nets have no two sides
-                drawn: dict[str, Any] = {"color": colour, "linestyle": dashes, "linewidth": style.LINE}
-                ax.plot(path, values, **drawn, label=f"{side} {load}", **style.marks(next(nth), count, path.size))
+            curves.append((label, values, {"color": colour, "linewidth": style.THIN}))
+    near = _near_loads(dataset)
+    if len(curves) + len(near) > CURVES:
+        band(dataset, ax, [values for _, values, _ in near], "next to the loads, least to largest")
+        near = []
+    draw_curves(dataset, ax, curves + near)
+    _draw_strengths(dataset, ax)
     style.dress(ax, "Tension", path_label(dataset), "tension (N)")
     style.legend(ax)
 
 
-def _most_pulled(dataset: xr.Dataset, ax: Axes, names: list[str], nth: Iterator[int], count: int) -> None:
-    """Draw the largest tension in each of the lines that are pulled most."""
+def _near_loads(dataset: xr.Dataset) -> list[Curve]:
+    """Return the tensions behind and ahead of the loads; those on nets have no two sides."""
+    out, alone, groups = list[Curve](), dataset.sizes["contact"] == 1, grouped_contacts(dataset)
+    for k, load in enumerate(dataset["load"].values.tolist()):
+        for index, side, own, dashes in ((0, "behind", style.RED, "-"), (1, "ahead of", style.ORANGE, "--")):
+            values = dataset["contact_tension"][:, k, index].values
+            if k not in groups and np.isfinite(values).any():
+                # several loads have a colour each, and each side its dashes
+                out.append((f"{side} {load}", values, {"color": own if alone else colour_of(k), "linestyle": dashes}))
+    return out
+
+
+def _draw_strengths(dataset: xr.Dataset, ax: Axes) -> None:
+    """Draw the strengths of lines that are in reach of the tensions, and name the others."""
+    scenario, (low, high) = scenario_of(dataset), ax.get_ylim()
+    found = strengths(scenario) if scenario is not None else {}
+    for name, strength in found.items():
+        if strength < REACH * high:
+            ax.axhline(strength, **LIMIT, label=f"strength of {name}")
+            high = max(high, 1.05 * strength)
+    far = [f"strength of {name} {value / 1e3:.4g} kN" for name, value in found.items() if value >= REACH * high]
+    if len(far) == 1:
+        style.remark(ax, far[0])
+    ax.set_ylim(low, high)
+
+
+def _most_pulled(dataset: xr.Dataset, names: list[str]) -> list[Curve]:
+    """Return the largest tension in each of the lines that are pulled most."""
     owner = np.array([names.index(line) for line in dataset["link_line"].values.tolist()])
     largest = np.full((dataset.sizes[path_name(dataset)], len(names)), -np.inf)
     for k in range(len(names)):
         largest[:, k] = _row_max(dataset["tension"].isel(link=np.flatnonzero(owner == k)).values)
     most = np.argsort(-np.nan_to_num(largest).max(axis=0), kind="stable")[:LARGEST]
-    for colour, k in zip((style.BLUE, style.SKY, style.GREEN), most, strict=False):
-        path = dataset[path_name(dataset)].values
-        drawn: dict[str, Any] = {"color": colour, "linewidth": style.THIN, **style.marks(next(nth), count, path.size)}
-        ax.plot(path, largest[:, k], **drawn, label=f"largest in {names[k]}")
+    looks = ({"color": colour, "linewidth": style.THIN} for colour in (style.BLUE, style.SKY, style.GREEN))
+    return [(f"largest in {names[k]}", largest[:, k], look) for look, k in zip(looks, most, strict=False)]
 
 
 def net_tension(dataset: xr.Dataset, ax: Axes) -> None:
@@ -196,18 +110,26 @@ def net_tension(dataset: xr.Dataset, ax: Axes) -> None:
     style.legend(ax)
 
 
-def contact_sideways(dataset: xr.Dataset, ax: Axes) -> None:
-    """Draw the place of every load and of its bodies sideways over time."""
-    _places(dataset, ax, "y")
-    ax.ticklabel_format(axis="y", useOffset=False)
-    style.dress(ax, "Place of the load sideways", path_label(dataset), "y (m)")
-    finish_loads(dataset, ax)
+_OF_LOADS = {
+    "contact_height": ("Height of the load", "z (m)"),
+    "contact_sideways": ("Place of the load sideways", "y (m)"),
+    "contact_force": ("Contact force on the line", "force (N)"),
+    "hold_force": ("Hold force on the line", "force (N)"),
+    "contact_speed": ("Speed of the load", "speed (m/s)"),
+    "friction_power": ("Power lost to friction", "power (W)"),
+}
 
 
-def contact_height(dataset: xr.Dataset, ax: Axes) -> None:
-    """Draw the height of every load and of its bodies over time."""
-    _places(dataset, ax, "z")
-    style.dress(ax, "Height of the load", path_label(dataset), "z (m)")
+def _loads(dataset: xr.Dataset, ax: Axes, *, view: str) -> None:
+    """Draw a quantity of every load, and of its bodies, over the path; forces by component."""
+    title, label = _OF_LOADS[view]
+    if label[0] in "yz":
+        _places(dataset, ax, label[0])
+    elif label == "force (N)":
+        _components(dataset, ax, dataset[view], dataset["load"].values.tolist())
+    else:
+        _of_contacts(dataset, ax, view)
+    style.dress(ax, title, path_label(dataset), label)
     finish_loads(dataset, ax)
 
 
@@ -215,45 +137,13 @@ def _places(dataset: xr.Dataset, ax: Axes, axis: str) -> None:
     """Draw a coordinate of contacts and bodies, if there is such an axis."""
     if axis not in dataset["axis"].values:
         return
-    path = dataset[path_name(dataset)].values
-    loads = dataset["load"].values.tolist()
-    count = len(loads) + dataset.sizes["body"]
-    for k, load in enumerate(loads):
-        place = dataset["contact_position"][:, k].sel(axis=axis).values
-        ax.plot(path, place, color=colour_of(k), linewidth=style.LINE, label=load, **style.marks(k, count, path.size))
-    for i, body in enumerate(dataset["body"].values.tolist()):
-        place = dataset["body_position"][:, i].sel(axis=axis).values
-        colour = colour_of(dataset.sizes["contact"] + i)
-        drawn: dict[str, Any] = {"color": colour, "linewidth": style.LINE, "linestyle": (0, (4, 1.5))}
-        ax.plot(path, place, **drawn, label=body, **style.marks(len(loads) + i, count, path.size))
-
-
-def hold_force(dataset: xr.Dataset, ax: Axes) -> None:
-    """Draw the hold force of every load by component."""
-    _components(dataset, ax, dataset["hold_force"], dataset["load"].values.tolist())
-    style.dress(ax, "Hold force on the line", path_label(dataset), "force (N)")
-    finish_loads(dataset, ax)
-
-
-def contact_force(dataset: xr.Dataset, ax: Axes) -> None:
-    """Draw the contact force of every load by component."""
-    _components(dataset, ax, dataset["contact_force"], dataset["load"].values.tolist())
-    style.dress(ax, "Contact force on the line", path_label(dataset), "force (N)")
-    finish_loads(dataset, ax)
-
-
-def contact_speed(dataset: xr.Dataset, ax: Axes) -> None:
-    """Draw the speed of every load along its line, as measured."""
-    _of_contacts(dataset, ax, "contact_speed")
-    style.dress(ax, "Speed of the load", path_label(dataset), "speed (m/s)")
-    finish_loads(dataset, ax)
-
-
-def friction_power(dataset: xr.Dataset, ax: Axes) -> None:
-    """Draw the power that every load loses to friction and brakes along its line."""
-    _of_contacts(dataset, ax, "friction_power")
-    style.dress(ax, "Power lost to friction", path_label(dataset), "power (W)")
-    finish_loads(dataset, ax)
+    curves, groups = list[Curve](), grouped_contacts(dataset)
+    for kind, name, dashes in (("contact", "load", "-"), ("body", "body", (0, (4, 1.5)))):
+        for k, label in enumerate(dataset[name].values.tolist() if name in dataset.coords else ()):
+            values = dataset[f"{kind}_position"][:, k].sel(axis=axis).values
+            if kind == "body" or k not in groups:
+                curves.append((label, values, {"color": colour_of(len(curves)), "linestyle": dashes}))
+    draw_curves(dataset, ax, curves)
 
 
 def contact_friction(dataset: xr.Dataset, ax: Axes) -> None:
@@ -267,38 +157,22 @@ def contact_friction(dataset: xr.Dataset, ax: Axes) -> None:
 
 def reactions(dataset: xr.Dataset, ax: Axes) -> None:
     """Draw the forces of the supports on the lines by component."""
-    force, names = dataset["reaction"], dataset["support"].values.tolist()
-    title = "Support forces on the line"
-    if force[0].size > CURVES:
-        size = np.nan_to_num(np.linalg.norm(force.values, axis=2)).max(axis=0, initial=0.0)
-        largest = np.argsort(-size, kind="stable")[:LARGEST]
-        force, names = force.isel(support=largest), [names[k] for k in largest]
-        title = f"The {LARGEST} largest support forces of {dataset.sizes['support']}"
-    _components(dataset, ax, force, names)
-    style.dress(ax, title, path_label(dataset), "force (N)")
+    _components(dataset, ax, dataset["reaction"], dataset["support"].values.tolist())
+    style.dress(ax, "Support forces on the line", path_label(dataset), "force (N)")
     style.legend(ax)
 
 
 def energy(dataset: xr.Dataset, ax: Axes) -> None:
     """Draw the change of every form of energy since the start; forms whose changes could not be seen are left out."""
-    path, values = dataset[path_name(dataset)].values, dataset["energy"].values
-    change = values - values[:1]
-    scale = np.nanmax(np.abs(change), initial=0.0)
-    stored = ("kinetic", "elastic", "gravitational")
-    there = [k for k, form in enumerate(ENERGY_FORMS)
-             if form != AUDIT and np.nanmax(np.abs(change[:, k]), initial=0.0) > SEEN * scale]  # fmt: skip
-    for n, k in enumerate(there):
-        form = ENERGY_FORMS[k]
-        dashes: Any = "-" if form in stored else (0, (4, 1.5))
-        ax.plot(
-            path,
-            change[:, k],
-            color=style.CYCLE[n % len(style.CYCLE)],
-            linestyle=dashes,
-            linewidth=style.LINE,
-            label=ENERGY_LABELS[form],
-            **style.marks(n, len(there), path.size),
-        )
+    change = dataset["energy"].values - dataset["energy"].values[:1]
+    sizes = np.nanmax(np.abs(change), axis=0, initial=0.0)
+    seen = [k for k, form in enumerate(ENERGY_FORMS) if form != AUDIT and sizes[k] > SEEN * sizes.max()]
+    curves = list[Curve]()
+    for k in sorted(sorted(seen, key=lambda k: -sizes[k])[:CURVES]):
+        dashes: Any = "-" if ENERGY_FORMS[k] in ("kinetic", "elastic", "gravitational") else (0, (4, 1.5))
+        look = {"color": style.CYCLE[len(curves) % len(style.CYCLE)], "linestyle": dashes}
+        curves.append((ENERGY_LABELS[ENERGY_FORMS[k]], change[:, k], look))
+    draw_curves(dataset, ax, curves)
     style.dress(ax, "Energy since the start", path_label(dataset), "energy (J)")
     style.legend(ax)
 
@@ -307,11 +181,11 @@ def imbalance(dataset: xr.Dataset, ax: Axes) -> None:
     """Draw the energy residual, and compare it with the energy throughput."""
     path, values = dataset[path_name(dataset)].values, dataset["energy"].values
     missed = values[:, ENERGY_FORMS.index(AUDIT)]
-    ax.plot(path, missed, color=style.INK, linewidth=style.THIN, label="_imbalance")
+    ax.plot(path, missed, color=style.INK, linewidth=style.THIN, label="_energy residual")
     moved, worst = float(np.max(turnover(values))), float(np.nanmax(np.abs(missed), initial=0.0))
-    style.dress(ax, "Imbalance", path_label(dataset), "energy (J)")
+    style.dress(ax, "Energy residual", path_label(dataset), "energy (J)")
     if moved > 0.0 and worst > rounding(scenario_of(dataset), values):
-        note = f"{percent(worst / moved)} of the throughput"
+        note = f"{percent(worst / moved)} of the energy throughput"
         style.remark(ax, note if note.startswith("less") else f"at most {note}")
 
 
@@ -325,7 +199,8 @@ def tension_along(dataset: xr.Dataset, ax: Axes, instants: int = SHAPES) -> None
         here = here[style.thinned(len(here), POINTS)]
         values = dataset["tension"].isel({name: frames, "link": here}).values
         for k in range(len(frames)):
-            curve = {"color": colours[k], "linewidth": style.LINE, "label": _instant(dataset, line, frames[k])}
+            when = f"{word(dataset)} {number(float(dataset[name].values[frames[k]]))} {dataset[name].attrs['units']}"
+            curve = {"color": colours[k], "linewidth": style.LINE, "label": f"_{line} at {when}"}
             ax.plot(dataset["link_xi"].values[here], values[k], **curve)
     style.dress(ax, "Tension along the line", "material coordinate xi (m)", "tension (N)")
     if len(frames) > 1:
@@ -333,50 +208,17 @@ def tension_along(dataset: xr.Dataset, ax: Axes, instants: int = SHAPES) -> None
         instants_bar(ax, dataset[name].values[frames], label)
 
 
-VIEWS = {
+VIEWS: Mapping[str, Callable[[xr.Dataset, Axes], None]] = {
     "shapes": shapes,
     "tension": tension,
     "tension_along": tension_along,
     "net_tension": net_tension,
-    "contact_height": contact_height,
-    "contact_sideways": contact_sideways,
-    "contact_force": contact_force,
-    "hold_force": hold_force,
-    "contact_speed": contact_speed,
-    "friction_power": friction_power,
+    **{view: partial(_loads, view=view) for view in _OF_LOADS},
     "contact_friction": contact_friction,
     "reactions": reactions,
     "energy": energy,
     "imbalance": imbalance,
 }
-
-
-def set_scale(
-    ax: Axes, position: xr.DataArray | Array, paths: list[Array], space: float = 0.08, flattest: float = FLATTEST
-) -> float:
-    """Give x and z one scale, or exaggerate z by a round number if all is too flat.
-
-    Args:
-        ax: axes to set.
-        position: positions (frame, node, axis) in m that must be in view.
-        paths: further curves (frame, axis) in m.
-        space: free height above and below, in heights of the picture.
-        flattest: least height to width that is left as it is.
-
-    Returns:
-        The exaggeration, 1 for a true picture.
-    """
-    last = position.shape[-1] - 1
-    points = np.concatenate([np.asarray(position).reshape(-1, last + 1)[:, [0, last]], *(p[:, [0, -1]] for p in paths)])
-    points = points[np.isfinite(points).all(axis=1)]
-    width, height = np.ptp(points[:, 0]), np.ptp(points[:, 1])
-    flat = height < flattest * width
-    factor = style.nice(2 * flattest * width / height) if flat and height > 1e-9 * width else 1.0
-    ax.update_datalim(points)
-    ax.margins(0.03, space)
-    ax.autoscale_view()
-    ax.set_aspect(max(factor, 1.0), adjustable="datalim")
-    return max(factor, 1.0)
 
 
 def headline(fig: Figure, dataset: xr.Dataset) -> None:
@@ -387,24 +229,9 @@ def headline(fig: Figure, dataset: xr.Dataset) -> None:
     fig.suptitle(title, fontsize=style.TITLE + 2, color=style.INK, fontweight="bold", x=0.01, ha="left")
 
 
-def word(dataset: xr.Dataset) -> str:
-    """What the leading dimension is called."""
-    return path_name(dataset).replace("_", " ")
-
-
 def path_label(dataset: xr.Dataset) -> str:
     """The label of axes of the leading dimension."""
     return f"{word(dataset)} ({dataset[path_name(dataset)].attrs['units']})"
-
-
-def colour_of(k: int) -> str:
-    """Colour of the k-th of several things."""
-    return style.CYCLE[(k + 1) % len(style.CYCLE)]
-
-
-def load_colour(dataset: xr.Dataset, k: int) -> str:
-    """Colour of the path of a load: that of loads where it is alone."""
-    return style.LOAD if dataset.sizes["contact"] == 1 else colour_of(k)
 
 
 def any_of(dataset: xr.Dataset, name: str) -> bool:
@@ -414,15 +241,36 @@ def any_of(dataset: xr.Dataset, name: str) -> bool:
 
 def _of_contacts(dataset: xr.Dataset, ax: Axes, name: str) -> None:
     """Draw a quantity of every contact, if it is anything but zero."""
-    path, values = dataset[path_name(dataset)].values, dataset[name].values
-    for k, load in enumerate(dataset["load"].values.tolist()):
-        if np.nan_to_num(values[:, k]).any():
-            drawn: dict[str, Any] = {
-                "color": colour_of(k),
-                "linewidth": style.LINE,
-                **style.marks(k, values.shape[1], path.size),
-            }
-            ax.plot(path, np.where(np.isfinite(values[:, k]), values[:, k], np.nan), **drawn, label=load)
+    values, loads = dataset[name].values, dataset["load"].values.tolist()
+    kept = [k for k in range(len(loads)) if np.nan_to_num(values[:, k]).any()]
+    draw_curves(dataset, ax, [(loads[k], np.where(np.isfinite(values[:, k]), values[:, k], np.nan), {}) for k in kept])
+
+
+def draw_curves(dataset: xr.Dataset, ax: Axes, curves: Sequence[Curve]) -> None:
+    """Draw curves over the path; of more than seven the three largest, and a band from the least to the largest of all.
+
+    Args:
+        dataset: a result.
+        ax: axes to draw on.
+        curves: label, values (instant,) and look of each; without a colour they take those of several things.
+    """
+    path = dataset[path_name(dataset)].values
+    if len(curves) > CURVES:
+        band(dataset, ax, [values for _, values, _ in curves], f"least to largest of {len(curves)}")
+        sizes = [-np.nanmax(np.abs(values), initial=0.0) for _, values, _ in curves]
+        curves = [(curves[k][0], curves[k][1], {}) for k in np.argsort(sizes, kind="stable")[:LARGEST]]
+    for n, (label, values, look) in enumerate(curves):
+        plain = {"color": colour_of(n), "linewidth": style.LINE, **style.marks(n, len(curves), path.size)}
+        ax.plot(path, values, label=label, **{**plain, **look})
+
+
+def band(dataset: xr.Dataset, ax: Axes, curves: Sequence[Array], label: str) -> None:
+    """Fill between the least and the largest of curves (instant,)."""
+    path, every = dataset[path_name(dataset)].values, np.array(curves)
+    low, high = np.fmin.reduce(every), np.fmax.reduce(every)
+    ax.fill_between(path, low, high, color=style.FAINT, alpha=0.35, linewidth=0.0, label=label, zorder=1)
+    for values, name in ((low, "_least"), (high, "_largest")):
+        ax.plot(path, values, color=style.FAINT, linewidth=0.5, label=name, zorder=1)
 
 
 def _row_max(values: Array) -> Array:
@@ -430,23 +278,21 @@ def _row_max(values: Array) -> Array:
     return out
 
 
-def contact_curves(dataset: xr.Dataset) -> list[tuple[str, Array]]:
-    """Loads with their paths (frame, axis), m."""
-    loads = dataset["load"].values.tolist()
-    return [(load, dataset["contact_position"][:, k].values) for k, load in enumerate(loads)]
-
-
 def _components(dataset: xr.Dataset, ax: Axes, force: xr.DataArray, names: list[str]) -> None:
-    """Draw the components of forces (frame, name, axis), those that matter; a colour for each name."""
-    path, values = dataset[path_name(dataset)].values, force.values
-    scale = np.nanmax(np.abs(values), initial=0.0)
+    """Draw the components of forces (frame, name, axis), those that matter; of many forces their sizes."""
+    values, axes = force.values, dataset["axis"].values.tolist()
+    seen = np.nanmax(np.abs(values), axis=0, initial=0.0) > SEEN * np.nanmax(np.abs(values), initial=0.0)
     dashes: dict[str, Any] = {"x": "-", "y": (0, (1, 1)), "z": (0, (5, 1.5))}
-    for k, name in enumerate(names):
-        for i, axis in enumerate(dataset["axis"].values.tolist()):
-            if np.nanmax(np.abs(values[:, k, i]), initial=0.0) > SEEN * scale:
-                options = {"color": colour_of(k), "linestyle": dashes[axis], "linewidth": style.LINE}
-                options |= style.marks(k, len(names), path.size)
-                ax.plot(path, values[:, k, i], **options, label=f"{name}, {axis}")
+    if seen.sum() <= CURVES:
+        alone = seen.any(axis=0).sum() == 1
+        draw_curves(dataset, ax, [
+            (f"{names[k]}, {axes[i]}", values[:, k, i],
+             {"color": colour_of(k), "linestyle": "-" if alone else dashes[axes[i]]})
+            for k, i in np.argwhere(seen).tolist()
+        ])  # fmt: skip
+    else:
+        sizes = np.linalg.norm(values, axis=2)
+        draw_curves(dataset, ax, [(f"size of {names[k]}", sizes[:, k], {}) for k in np.flatnonzero(seen.any(axis=1))])
 
 
 def finish_loads(dataset: xr.Dataset, ax: Axes) -> None:
@@ -457,12 +303,3 @@ def finish_loads(dataset: xr.Dataset, ax: Axes) -> None:
         ax.text(0.5, 0.5, note, **place, fontsize=style.LABEL, color=style.FAINT)
         ax.set_yticks([])
     style.legend(ax)
-
-
-def instants_bar(ax: Axes, values: Array, label: str) -> None:
-    """A bar that tells the colours of the instants."""
-    mappable = ScalarMappable(Normalize(float(values[0]), float(values[-1])), style.colours(style.INSTANTS))
-    bar = ax.figure.colorbar(mappable, ax=ax, fraction=0.03, pad=0.01, aspect=25)
-    bar.set_label(label, fontsize=style.LABEL, color=style.INK)
-    bar.ax.tick_params(labelsize=style.TICK, colors=style.INK, width=0.6, length=3)
-    bar.outline.set_visible(False)
