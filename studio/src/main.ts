@@ -489,15 +489,14 @@ async function begin(step: Step): Promise<void> {
   editor.text = clean;
   if (!tabs.form.hidden) form.show(clean);
   mark();
-  player.choose(step.pace ?? 1, step.larger ?? 1);
-  if (step.do === "drag") return prepare(step.contact);
+  player.choose(step.pace, step.larger);
   dragging.leave();
   if (running) return;
   if (step.beside) {
-    await compute("run", { text: step.beside, name: "lesson.yaml", unkept: true }, undefined);
+    await compute("lesson", { name: `${step.name}.beside` }, undefined);
     beside = film;
   }
-  await compute("run", { text: step.scenario, name: "lesson.yaml", unkept: true }, beside);
+  await compute("lesson", { name: step.name }, beside);
 }
 
 // -- Keys -------------------------------------------------------------------------------------------------------
