@@ -9,7 +9,6 @@ import sys
 import numpy as np
 import xarray as xr
 
-from ropewalk.results.contract import path_name
 from ropewalk.scenario import load
 from ropewalk.simulate import simulate
 from ropewalk.studio.lesson import FOLDER
@@ -22,8 +21,8 @@ OTHERS = 2.0**-4  # N, to which forces are rounded, so that they compress
 
 def reduced(dataset: xr.Dataset) -> xr.Dataset:
     """Return a result in single precision without the quantities that the page does not draw."""
-    samples = [name for name in dataset.data_vars if "sample" in dataset[name].dims]
-    kept = dataset.drop_vars([*samples, *(name for name in UNUSED if name in dataset)])
+    unused = [name for name, array in dataset.variables.items() if "sample" in array.dims or not array.size]
+    kept = dataset.drop_vars([*unused, *(name for name in UNUSED if name in dataset)])
     for name, array in kept.data_vars.items():
         if array.dtype.kind == "f":
             finest = FINEST.get(str(name), 0.0 if array.attrs["units"] == "1" else OTHERS)
@@ -40,7 +39,6 @@ def keep(name: str) -> int:
     kept.encoding = {}
     for variable in kept.variables.values():
         variable.encoding = {}
-    assert path_name(kept) in kept.dims
     plain = kept.to_netcdf(format="NETCDF3_64BIT", engine="scipy", unlimited_dims=[])
     packed = lzma.compress(bytes(plain), preset=9)
     (FOLDER / f"{name}.nc.xz").write_bytes(packed)

@@ -115,9 +115,9 @@ export class Stage {
   }
 
   /** What loads and bodies of a frame are exaggerated from; nothing while nothing is. */
-  private restOf(frame: Frame, places: Float32Array): Float32Array | undefined {
+  private restOf(frame: Frame, places: Float32Array | undefined): Float32Array | undefined {
     const scene = this.scene;
-    if (!scene?.rest || this.choices.exaggeration === 1) return undefined;
+    if (!places || !scene?.rest || this.choices.exaggeration === 1) return undefined;
     return beneath(scene.layout, frame, scene.rest.position, places);
   }
 
