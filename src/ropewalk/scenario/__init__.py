@@ -8,11 +8,12 @@ from ropewalk.scenario.loading import load, loads, varying
 from ropewalk.scenario.reference import reference
 from ropewalk.scenario.schema import json_schema
 from ropewalk.scenario.template import template
-from ropewalk.scenario.writing import dump, save, tree_of
+from ropewalk.scenario.writing import brief, dump, save, tree_of
 
 __all__ = [
     "Problem",
     "ScenarioError",
+    "brief",
     "dump",
     "json_schema",
     "load",

@@ -52,6 +52,24 @@ def tree_of(scenario: Scenario) -> dict[str, Any]:
     return scenario.model_dump(mode="json", by_alias=True, exclude_none=True)
 
 
+def brief(scenario: Scenario) -> str:
+    """Write a scenario as YAML text with units, without keys that have their default values.
+
+    Raises:
+        ScenarioError: a speed, a force or a model is a Python object, which no file can hold.
+    """
+    check_writable(scenario)
+    short = scenario.model_dump(mode="json", by_alias=True, exclude_none=True, exclude_defaults=True)
+    return text_of(_with_kinds(tree_of(scenario), short))
+
+
+def _with_kinds(whole: Any, short: Any) -> Any:
+    """The short tree with the kinds of blocks, which tell readers what they are; lists of blocks are kept whole."""
+    if not isinstance(short, dict):
+        return whole
+    return {key: _with_kinds(each, short.get(key)) for key, each in whole.items() if key in short or key == "kind"}
+
+
 def save(scenario: Scenario, path: str | os.PathLike[str]) -> None:
     """Write a scenario into a YAML file.
 
