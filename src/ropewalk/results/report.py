@@ -56,7 +56,7 @@ td.outside { color: #b03000; font-weight: 600; }
 .doubt { background: #fde4e1; border-left: 4px solid #b3261e; padding: 0.15cm 0.3cm; margin: 0.15cm 0; font-size: 9pt; }
 figure { margin: 0.15cm 0; text-align: center; }
 img { max-width: 100%; max-height: 24cm; }
-pre { background: #f6f6f6; padding: 0.1cm; font-size: 6.5pt; line-height: 1.25; white-space: pre-wrap; margin: 0.1cm 0; }
+pre { background: #f6f6f6; padding: 0.1cm; font-size: 6.5pt; line-height: 1.25; white-space: pre-wrap; margin: 0; }
 @media print { body { max-width: none; margin: 0; padding: 0; } }
 </style>
 </head>
