@@ -49,12 +49,12 @@ tbody, figure, tr, p { break-inside: avoid; }
 thead { display: table-header-group; }
 th.block { padding-top: 0.2cm; font-size: 9pt; }
 .quantities { table-layout: fixed; overflow-wrap: anywhere; }
-td.value { text-align: right; }
+.quantities td:nth-child(2) { text-align: right; }
 td.outside { color: #b03000; font-weight: 600; }
 .faint { color: #555; font-size: 8.5pt; margin: 0.1cm 0; }
-.warning { background: #fff4e0; padding: 0.15cm 0.3cm; margin: 0.15cm 0; font-size: 9pt; }
-.doubt { background: #fde4e1; border-left: 4px solid #b3261e; padding: 0.15cm 0.3cm; margin: 0.15cm 0; font-size: 9pt; }
-figure { margin: 0.15cm 0; text-align: center; }
+.warning, .doubt { background: #fff4e0; padding: 0.15cm 0.3cm; margin: 0.15cm 0; font-size: 9pt; }
+.doubt { background: #fde4e1; border-left: 4px solid #b3261e; }
+figure { margin: 0.15cm 0; }
 img { max-width: 100%; max-height: 24cm; }
 pre { background: #f6f6f6; padding: 0.1cm; font-size: 6.5pt; line-height: 1.25; white-space: pre-wrap; margin: 0; }
 @media print { body { max-width: none; margin: 0; padding: 0; } }
@@ -69,7 +69,7 @@ $body
 """)
 
 Cells = Sequence[str]
-Block = tuple[str, list[Row]]
+Block = tuple[str, Sequence[Row]]
 _KEY_ROWS = (
     "largest deflection", "largest acceleration", "largest bending moment", "largest tension", "largest sag",
     "largest tension over strength", "largest tension per width", "largest wheel load", "sway along the line",
@@ -118,12 +118,13 @@ def _text(value: object) -> str:
 
 
 def _section(title: str) -> str:
-    return f"<h2>{_text(title)}</h2>"
+    return f"<h2>{title}</h2>"
 
 
-def _cell(cell: str, kind: str = "") -> str:
-    kind = kind or ("outside" if cell.startswith(("OUTSIDE", "FAIL")) else "")
-    return f'<td class="{kind}">{_text(cell)}</td>' if kind else f"<td>{_text(cell)}</td>"
+def _row(cells: Cells) -> str:
+    kinds = [' class="outside"' if cell.startswith(("OUTSIDE", "FAIL")) else "" for cell in cells]
+    parts = [f"<td{kind}>{_text(cell.replace('  ', '; '))}</td>" for cell, kind in zip(cells, kinds, strict=True)]
+    return f"<tr>{''.join(parts)}</tr>"
 
 
 def _quantities(blocks: Iterable[Block]) -> str:
@@ -132,23 +133,18 @@ def _quantities(blocks: Iterable[Block]) -> str:
     out = ['<table class="quantities">', *(f'<col style="width: {width}">' for width in widths)]
     for title, body in blocks:
         head = [f'<tr><th class="block" colspan="3">{_text(title)}</th></tr>'] if title else []
-        lines = [
-            f"<tr>{_cell(what)}{_cell(value, 'value')}{_cell(where.replace('  ', '; '))}</tr>"
-            for what, value, where in body
-        ]
-        out += ["<tbody>", *head, *lines, "</tbody>"]
+        out += ["<tbody>", *head, *map(_row, body), "</tbody>"]
     return "\n".join([*out, "</table>"])
 
 
 def _table(body: Iterable[Cells], head: Cells) -> str:
     """A table with a head, which is repeated on every page."""
     out = ["<table><thead><tr>", *(f"<th>{_text(cell)}</th>" for cell in head), "</tr></thead>"]
-    out += [f"<tr>{''.join(_cell(cell) for cell in row)}</tr>" for row in body]
-    return "\n".join([*out, "</table>"])
+    return "\n".join([*out, *map(_row, body), "</table>"])
 
 
 def _blocks(found: Summary, units: DisplayUnits | None) -> Iterator[Block]:
-    """Headings of the table of the command line, each with its rows; of carriages not those of each wheel."""
+    """Yield headings of the table of the command line with their rows, without those of the wheels of carriages."""
     wheels = {name for name in found["contacts"] if name.partition(".")[0] in found["carriages"]}
     title, body = "", list[Row]()
     for row in [*rows(found, units), ("", "", "")]:
@@ -172,7 +168,7 @@ def _key_rows(found: Summary, blocks: Sequence[Block]) -> list[Row]:
         if title.startswith(skipped):
             continue
         own = {row[0]: row for row in sorted(body, key=_size) if row[0] in _KEY_ROWS}  # the largest of equal names
-        name = title.partition(" ")[2] if title.startswith(_NAMED) else title.lower() if title[:4] == "Payl" else ""
+        name = title.partition(" ")[2] if title.startswith(_NAMED) else title if title.startswith("Payload") else ""
         picked = [row for row in body if own.get(row[0]) is row or (title == "Supports" and row[0] == strongest)]
         if not name:  # of ranges of standards the verdict only; a line that responds has its deflection
             picked = [row for row in picked if row[0] not in _OF_LOADS and not (responds and row[0] == "largest sag")]
@@ -190,20 +186,17 @@ def _size(row: Row) -> float:
 
 
 def _warnings(found: Summary) -> Iterator[str]:
-    if found["advice"]:
-        yield f'<p class="warning">{_text(found["advice"])}</p>'
-    for doubt in found["doubts"]:
-        yield f'<p class="doubt">The results are unreliable: {_text(doubt)}</p>'
-    for warning in found["warnings"]:
-        yield f'<p class="warning">Warning: {_text(warning)}</p>'
+    notes = [("warning", found["advice"])] if found["advice"] else []
+    notes += [("doubt", f"The results are unreliable: {doubt}") for doubt in found["doubts"]]
+    notes += [("warning", f"Warning: {warning}") for warning in found["warnings"]]
+    return (f'<p class="{kind}">{_text(note)}</p>' for kind, note in notes)
 
 
 def _figures(dataset: xr.Dataset, units: DisplayUnits | None) -> Iterator[str]:
     """Rows of panels as pictures of their own, so that none is split between pages."""
     for panels in rows_of_panels(dataset, "report"):
         drawn: Figure = figure(dataset, panels=panels, size="report", units=units)
-        stream = io.BytesIO()
-        drawn.savefig(stream, format="png", dpi=DPI)
+        drawn.savefig(stream := io.BytesIO(), format="png", dpi=DPI)
         data = base64.b64encode(stream.getvalue()).decode("ascii")
         label = _text(", ".join(panels).replace("_", " "))
         yield f'<figure><img alt="{label}" src="data:image/png;base64,{data}"></figure>'
@@ -304,22 +297,19 @@ def _of_overhead_line(line: OverheadLine) -> Iterator[Row]:
     yield from ((f"{what} wire", "", _of_wire(wire)) for what, wire in wires.items() if wire is not None)
     sag = 1e3 * max((sag for row in line.sags for sag in row), default=0.0)
     yield "system height, largest pre-sag", "", f"{line.system_height:g} m, {sag:g} mm"
-    d = line.droppers
-    pushes = "none in compression" if d.pushes == 0.0 else f"{d.pushes:g} N/m in compression"
-    yield "droppers", "", f"{d.stiffness:g} N/m in tension, {pushes}"
-    arms = line.steady_arms
+    d, arms = line.droppers, line.steady_arms
+    yield "droppers", "", f"{d.stiffness:g} N/m in tension, {d.pushes:g} N/m in compression"
     yield "steady arms", "", f"{arms.moving_mass:.4g} kg move with the wire{', hanging free' if arms.free else ''}"
     if (own := line.condition) is not None:
         lost = ", ".join(f"{span}.{number}" for span, number in own.missing_droppers) or "none"
-        state = f"missing droppers: {lost}; wear {100 * own.wear:g} %; {own.temperature_rise:+g} K"
-        yield "condition", "", state
+        yield "condition", "", f"missing droppers: {lost}; wear {100 * own.wear:g} %; {own.temperature_rise:+g} K"
 
 
 def _of_wire(wire: OverheadWire) -> str:
-    fields = f"{wire.mass:g} kg/m, {wire.tension:g} N, EI {wire.bending_stiffness:g} N m²"
-    if wire.drag or wire.retardation:
-        fields += f", Rayleigh damping {wire.drag:g} 1/s and {wire.retardation:g} s"
-    return fields
+    damping = (
+        f", Rayleigh damping {wire.drag:g} 1/s and {wire.retardation:g} s" if wire.drag or wire.retardation else ""
+    )
+    return f"{wire.mass:g} kg/m, {wire.tension:g} N, EI {wire.bending_stiffness:g} N m²{damping}"
 
 
 def _of_pantograph(load: Pantograph) -> Iterator[Row]:
