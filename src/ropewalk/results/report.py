@@ -9,11 +9,14 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from datetime import date
+from itertools import groupby
 from string import Template
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ropewalk.errors import ScenarioError
+from ropewalk.model.writing import brief
 from ropewalk.results.contact_statistics import analysed_stations, scenario_of
 from ropewalk.results.display_units import Column, DisplayUnits, number
 from ropewalk.results.figures import figure, rows_of_panels
@@ -220,7 +223,7 @@ def _structure(scenario: Scenario, found: Summary, units: DisplayUnits | None) -
         head = ("span", "from", "length", "uplift at its end", "droppers", "least force", "largest force", "slack")
         yield _table(_spans(name, overhead, found), head)
         if lengths := _dropper_lengths(found["overhead_lines"][name]["droppers"]):
-            yield _table(lengths.items(), ("span", "lengths of its droppers, m"))
+            yield _table(lengths, ("spans", "lengths of their droppers, m"))
     for name, load in scenario.loads.items():
         if isinstance(load, Pantograph):
             yield _quantities([(f"Pantograph {name}", list(_of_pantograph(load)))])
@@ -245,8 +248,10 @@ def _with_unit(value: float | None, unit: str) -> str:
 def _towers(name: str, line: Line, supports: Mapping[str, Any], say: Column) -> Iterator[Cells]:
     """Supports of a line in their order with their spans; none where it has its ends alone."""
     start, end = np.array(line.start), np.array(line.end)
-    inner = [(key, one.kind, one.position or start + (end - start) * one.at / (line.length or np.inf))
-             for key, one in line.supports.items()]  # fmt: skip
+    inner: list[tuple[str, str, Any]] = [
+        (key, one.kind, one.position or start + (end - start) * one.at / (line.length or np.inf))
+        for key, one in line.supports.items()
+    ]
     inner += [(key, "saddle", one.at) for key, one in line.saddles.items()]
     inner += [(key, "sheave", one.at) for key, one in line.sheaves.items()]
     if not inner:
@@ -281,13 +286,13 @@ def _spans(name: str, line: OverheadLine, found: Summary) -> Iterator[Cells]:
         ends.append(ends[-1] + length)
 
 
-def _dropper_lengths(droppers: Summary) -> dict[str, str]:
-    """Lengths of the droppers of each span in their order, m; none of models that have no lengths."""
-    lengths: dict[str, list[str]] = {}
-    for label, one in droppers.items():
-        if one["length"] is not None:
-            lengths.setdefault(label.split(".")[1], []).append(f"{one['length']:.3f}")
-    return {span: ", ".join(own) for span, own in lengths.items()}
+def _dropper_lengths(droppers: Summary) -> list[Cells]:
+    """Lengths of droppers in their order, m, a row for each group of adjacent spans with the same ones."""
+    spans = groupby(droppers.items(), key=lambda item: item[0].split(".")[1])
+    lengths = [(span, [one["length"] for _, one in own]) for span, own in spans]
+    texts = [(span, ", ".join(f"{length:.3f}" for length in own)) for span, own in lengths if None not in own]
+    groups = [(text, [span for span, _ in own]) for text, own in groupby(texts, key=lambda item: item[1])]
+    return [(" to ".join(dict.fromkeys((spans[0], spans[-1]))), text) for text, spans in groups]
 
 
 def _of_overhead_line(line: OverheadLine) -> Iterator[Row]:
@@ -340,8 +345,6 @@ def _notes(found: Summary) -> Iterator[str]:
 
 def _scenario_file(dataset: xr.Dataset, scenario: Scenario | None) -> str:
     """The scenario as its user wrote it, else as short YAML, else (callables of the Python API) as JSON."""
-    from ropewalk.scenario import ScenarioError, brief
-
     fields = dataset.attrs
     with suppress(ScenarioError):
         return str(fields.get("scenario_file") or (brief(scenario) if scenario is not None else fields["scenario"]))

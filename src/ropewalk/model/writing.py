@@ -10,8 +10,9 @@ from functools import lru_cache
 from typing import Any
 
 from ropewalk.errors import Problem, ScenarioError
-from ropewalk.model import Scenario, Stepper
 from ropewalk.model._base import Declaration
+from ropewalk.model.scenario import Scenario
+from ropewalk.model.stepper import Stepper
 
 _PLAIN = re.compile(r"[A-Za-z](?:[\w ./*^()-]*[\w./*^()-])?|-?\d[\d.e+-]* [A-Za-z1/][\w/*^]*", re.ASCII)
 _WORDS = {"true", "false", "null", "yes", "no", "on", "off", "y", "n"}
