@@ -30,7 +30,7 @@ ELSEWHERE ?= --ignore-glob='tests/mechanics/test_kernel_*.py' --ignore=tests/mec
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 STUDIO := src/ropewalk/studio/page
-.PHONY: core docs release studio studio-packages studio-front studio-check help demo warm-up test test-elsewhere lint types figures bench peers fuzz \
+.PHONY: core docs release studio lessons studio-packages studio-front studio-check help demo warm-up test test-elsewhere lint types figures bench peers fuzz \
   kills kills-cluster interrupts matrix properties clean clean-cache
 
 help:
@@ -42,6 +42,7 @@ help:
 	@echo "make docs         the site, with pictures of all examples, in build/site"
 	@echo "make studio       build the front end of  ropewalk studio  (brings Node from PyPI where the machine has none)"
 	@echo "make studio-check lint, types and tests of the front end; in a real browser where Chromium is there"
+	@echo "make lessons      the kept results of the lessons in the studio, computed anew"
 	@echo "make lint         ruff: rules and format"
 	@echo "make types        mypy, strict"
 	@echo "make fuzz         spoilt scenario files for SECONDS (an hour) from a SEED (0)"
@@ -133,6 +134,9 @@ $(STUDIO)/index.html: studio/node_modules/.installed $(wildcard studio/src/*) st
 	@echo "Built: $(STUDIO)"
 
 studio: $(STUDIO)/index.html
+
+lessons: $(VENV)/.core
+	@$(BIN)/python docs/make_lessons.py
 
 studio-packages: studio/node_modules/.installed
 

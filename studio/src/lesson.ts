@@ -1,18 +1,19 @@
 import { element } from "./player";
 
 export interface Step {
+  name: string;
   title: string;
   text: string;
+  question: string;
+  answer: string;
+  expect: [string, string][]; // quantities of the answer, and their numbers
   scenario: string;
   beside?: string;
-  do: string;
-  contact?: string;
-  expect: [string, string][]; // what is read, and its number
-  pace?: number; // how fast a run is played
-  larger?: number; // by how much its displacements are exaggerated
+  pace: number; // how fast a run is played
+  larger: number; // by how much its displacements are exaggerated
 }
 
-/** A story in steps. */
+/** Lessons with a question each, whose answer is folded until the reader opens it. */
 export class Lesson {
   private steps: Step[] = [];
   private now = -1; // none is shown
@@ -39,33 +40,32 @@ export class Lesson {
 
   private draw(): void {
     const step = this.steps[this.now];
-    const list = element("ol", { class: "steps", "aria-label": "Steps" });
+    const list = element("ol", { class: "steps", "aria-label": "Lessons" });
     this.steps.forEach((one, k) => {
-      const button = element(
-        "button",
-        { type: "button", class: "icon", title: one.title, "aria-label": `Step ${k + 1}: ${one.title}` },
-        `${k + 1}`,
-      );
+      const about = { title: one.title, "aria-label": `Lesson ${k + 1}: ${one.title}` };
+      const button = element("button", { type: "button", class: "icon", ...about }, `${k + 1}`);
       if (k === this.now) button.setAttribute("aria-current", "step");
       button.onclick = () => this.go(k);
       list.append(element("li", {}, button));
     });
-    const intro = element("p", { class: "hint" }, "Walking the line, in five steps");
-    if (!step) return this.place.replaceChildren(intro, list, element("p", {}, "Choose a step to open its picture."));
-    const next = element("button", { type: "button", class: "main" }, "Next");
+    if (!step) return this.place.replaceChildren(list, element("p", {}, "Choose a lesson to open its picture."));
+    const next = element("button", { type: "button" }, "Next lesson");
     next.disabled = this.now === this.steps.length - 1;
     next.onclick = () => this.go(this.now + 1);
+    const numbers = step.expect.flatMap(([what, number]) => [element("dt", {}, what), element("dd", {}, number)]);
+    const answer = element(
+      "details",
+      {},
+      element("summary", {}, "Show the answer"),
+      element("p", {}, step.answer),
+      element("dl", { class: "numbers" }, ...numbers),
+    );
     this.place.replaceChildren(
-      intro,
       list,
       element("h2", {}, `${this.now + 1}. ${step.title}`),
       element("p", {}, step.text),
-      element("h2", {}, "To be read"),
-      element(
-        "dl",
-        { class: "numbers" },
-        ...step.expect.flatMap(([what, number]) => [element("dt", {}, what), element("dd", {}, number)]),
-      ),
+      element("p", { class: "question" }, element("strong", {}, step.question)),
+      answer,
       element("p", {}, next),
     );
   }

@@ -344,9 +344,9 @@ async function check(prepares = false): Promise<boolean> {
 
 // -- Dragging and running ---------------------------------------------------------------------------------------
 
-async function prepare(contact = "", step?: Step): Promise<void> {
+async function prepare(): Promise<void> {
   if (!(await halted())) return;
-  const mine = anew(false, step);
+  const mine = anew();
   under("setting up");
   const message = await server.ask("prepare", { text: editor.text, name: file.name || "scenario.yaml" });
   const { head } = message;
@@ -355,7 +355,7 @@ async function prepare(contact = "", step?: Step): Promise<void> {
   if (head.problems) return tell("the scenario has mistakes: see Text", true);
   if (head.error) return tell(String(head.error), true);
   tell(String(head.title));
-  dragging.begin(message, contact);
+  dragging.begin(message);
 }
 
 drag.onclick = () => {
@@ -551,14 +551,13 @@ async function begin(step: Step): Promise<void> {
   beside = undefined;
   editor.text = clean;
   if (!tabs.form.hidden) form.show(clean);
-  player.choose(step.pace ?? 1, step.larger ?? 0);
-  if (step.do === "drag") return prepare(step.contact, step);
-  const given = { name: "lesson.yaml", unkept: true };
+  player.choose(step.pace, step.larger);
+  const given = { unkept: true };
   if (step.beside) {
-    if (!(await compute("run", { ...given, text: step.beside }, { other: null, step }))) return;
+    if (!(await compute("lesson", { ...given, name: `${step.name}.beside` }, { other: null, step }))) return;
     beside = film;
   }
-  await compute("run", { ...given, text: step.scenario }, { step });
+  await compute("lesson", { ...given, name: step.name }, { step });
 }
 
 // -- Keys -------------------------------------------------------------------------------------------------------

@@ -9,8 +9,8 @@ import pytest
 from ropewalk.capabilities import SUPERPOSED, SYSTEM, WIRES, engine_of
 from ropewalk.errors import ScenarioError
 from ropewalk.model import InnerGuided, Line
+from ropewalk.model.writing import dump
 from ropewalk.scenario import loads
-from ropewalk.scenario.writing import dump
 
 FILE = """
 lines:

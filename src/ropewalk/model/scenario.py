@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import Self
+from functools import cached_property
+from typing import Any, Self
 
 from pydantic import Field, model_validator
 
@@ -53,6 +54,18 @@ class Scenario(Declaration):
     outputs: Outputs = Field(default=Outputs(), description="what results tell of lines beyond shapes and forces")
     run: Run = Field(default=Dynamic(until=1.0), description="what is asked")
     sweep: Sweep | None = Field(default=None, description="what varies in `ropewalk sweep`")
+
+    @cached_property
+    def source_text(self) -> str:
+        """The text that this scenario was read from, with its comments; empty after changes."""
+        return ""
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Return a copy with some fields replaced, which has no text."""
+        copy = super().model_copy(update=update, deep=deep)
+        if update:
+            copy.__dict__.pop("source_text", None)
+        return copy
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

@@ -246,6 +246,7 @@ def scenario_attributes(scenario: Scenario) -> dict[str, Attribute]:
         "engine_number": ENGINE_NUMBER,
         "scenario": text,
         "scenario_sha256": hashlib.sha256(text.encode()).hexdigest(),
+        **({"scenario_file": scenario.source_text} if scenario.source_text else {}),
     }
 
 

@@ -147,6 +147,13 @@ def panels_of(dataset: xr.Dataset) -> list[str]:
     return [*first, *seen, *(view for view, there in wanted.items() if there)]
 
 
+def rows_of_panels(dataset: xr.Dataset, size: str) -> list[list[str]]:
+    """Names of the panels of the overview, those in one list side by side on a page of this size."""
+    long = bool(dataset.sizes[path_name(dataset)] and is_spatial(dataset) and is_long(dataset))
+    placed = _places(panels_of(with_first_axles(dataset)), Page.of(size).columns, long)
+    return [[place.name for place in row] for row in placed]
+
+
 def _moves(places: Array) -> bool:
     """Whether coordinates (frame, ...) in m, or forces in N, change at all."""
     kept = places[:, np.isfinite(places).any(axis=0)]

@@ -4,15 +4,16 @@ The one place that maps names to declarations and files to models.
 """
 
 from ropewalk.errors import Problem, ScenarioError
+from ropewalk.model.writing import brief, dump, save, tree_of
 from ropewalk.scenario.loading import load, loads, varying
 from ropewalk.scenario.reference import reference
 from ropewalk.scenario.schema import json_schema
 from ropewalk.scenario.template import template
-from ropewalk.scenario.writing import dump, save, tree_of
 
 __all__ = [
     "Problem",
     "ScenarioError",
+    "brief",
     "dump",
     "json_schema",
     "load",

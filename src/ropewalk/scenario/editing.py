@@ -10,8 +10,8 @@ from ruamel.yaml import YAML
 from ruamel.yaml.nodes import MappingNode, Node, SequenceNode
 
 from ropewalk.errors import ScenarioError
+from ropewalk.model.writing import dump
 from ropewalk.scenario.loading import loads
-from ropewalk.scenario.writing import dump
 
 _BARE = re.compile(r"-?[\w.+-]+( [\w/*^]+)?", re.ASCII)
 

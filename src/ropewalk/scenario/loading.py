@@ -40,7 +40,11 @@ def loads(text: str, name: str = "scenario", overrides: Iterable[str] = ()) -> S
     Raises:
         ScenarioError: the scenario cannot be read or run; it holds every problem found.
     """
-    return _changed(_checked(text, name), overrides)
+    overrides = list(overrides)
+    scenario = _changed(_checked(text, name), overrides)
+    if not overrides:
+        scenario.__dict__["source_text"] = text  # of a property that is cached: scenarios are compared without it
+    return scenario
 
 
 def varying(text: str, name: str = "scenario") -> Callable[[Iterable[str]], Scenario]:

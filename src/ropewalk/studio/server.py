@@ -23,7 +23,7 @@ from ropewalk.errors import RopewalkError
 from ropewalk.scenario import json_schema
 from ropewalk.studio.folder import Folder
 from ropewalk.studio.guard import Guard
-from ropewalk.studio.lesson import LESSON
+from ropewalk.studio.lesson import lessons
 from ropewalk.studio.pool import Message, Pool
 from ropewalk.studio.session import LONG, Session, Sessions
 from ropewalk.studio.share import PAGE
@@ -33,7 +33,7 @@ from ropewalk.sweeps.pool import cores
 CHECK_SECONDS = 20.0
 _LARGEST_NUMBER = 2**53  # of a question, which a page counts
 _MOST_PAGES = 24
-_COMPUTED = (*LONG, "prepare", "pose", "result", "case", "resume")  # questions that the worker of a page answers
+_COMPUTED = (*LONG, "prepare", "pose", "result", "lesson", "case", "resume")  # questions that the worker of a page answers
 _KINDS = {"page": "text/html", "report": "text/html", "png": "image/png", "svg": "image/svg+xml",
           "pdf": "application/pdf", "csv": "text/csv", "zip": "application/zip", "gif": "image/gif", "mp4": "video/mp4",
           "xlsx": "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"}  # fmt: skip
@@ -223,7 +223,7 @@ class PageConnection:
         if do == "hello":
             return {
                 "version": ropewalk.__version__, "file": studio.settings.file, "code": studio.settings.allow_code,
-                **studio.folder.files(), "templates": templates(), "lesson": LESSON,
+                **studio.folder.files(), "templates": templates(), "lesson": lessons(),
             }  # fmt: skip
         if do == "schema":
             return {"schema": json_schema()}

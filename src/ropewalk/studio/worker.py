@@ -267,6 +267,16 @@ class ComputingProcess:
                 self._send(ticket, False, message)
             return {"file": file.name, **stored(dataset)}
 
+    def _do_lesson(self, asked: Answer) -> Answer:
+        """Send the kept result of a lesson's scenario: nothing is computed, and nothing compiled."""
+        from ropewalk.studio.lesson import kept_result
+        from ropewalk.studio.streams import of_result
+
+        dataset, ended = kept_result(str(asked["name"]))
+        for message in of_result(dataset, {"id": asked["id"]}):
+            self._send(asked["ticket"], False, message)
+        return {"file": None, **ended}
+
     def _do_sweep(self, asked: Answer) -> Answer:
         """The sweep of a scenario, as `ropewalk sweep` does it, into FILE.sweep.nc and FILE.sweep.jsonl."""
         from ropewalk.results import ResultError

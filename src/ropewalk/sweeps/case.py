@@ -15,9 +15,9 @@ from typing import Any
 import ropewalk
 from ropewalk.errors import RopewalkError
 from ropewalk.model import Dynamic, Linear, Quasistatic, Scenario
+from ropewalk.model.writing import check_writable, text_of, tree_of
 from ropewalk.permission import is_code_forbidden
 from ropewalk.results.contract import doubts_of
-from ropewalk.scenario.writing import check_writable, text_of, tree_of
 from ropewalk.sweeps.by_modes import by_modes
 from ropewalk.sweeps.keys import leaves
 from ropewalk.sweeps.quantities import Measured, broken_limits, measured

@@ -10,8 +10,9 @@ from functools import lru_cache
 from typing import Any
 
 from ropewalk.errors import Problem, ScenarioError
-from ropewalk.model import Scenario, Stepper
 from ropewalk.model._base import Declaration
+from ropewalk.model.scenario import Scenario
+from ropewalk.model.stepper import Stepper
 
 _PLAIN = re.compile(r"[A-Za-z](?:[\w ./*^()-]*[\w./*^()-])?|-?\d[\d.e+-]* [A-Za-z1/][\w/*^]*", re.ASCII)
 _WORDS = {"true", "false", "null", "yes", "no", "on", "off", "y", "n"}
@@ -50,6 +51,24 @@ def text_of(tree: dict[str, Any]) -> str:
 def tree_of(scenario: Scenario) -> dict[str, Any]:
     """All that a file says of a scenario, with units and defaults, in blocks and lists."""
     return scenario.model_dump(mode="json", by_alias=True, exclude_none=True)
+
+
+def brief(scenario: Scenario) -> str:
+    """Write a scenario as YAML text with units, without keys that have their default values.
+
+    Raises:
+        ScenarioError: a speed, a force or a model is a Python object, which no file can hold.
+    """
+    check_writable(scenario)
+    short = scenario.model_dump(mode="json", by_alias=True, exclude_none=True, exclude_defaults=True)
+    return text_of(_with_kinds(tree_of(scenario), short))
+
+
+def _with_kinds(whole: Any, short: Any) -> Any:
+    """The short tree with the kinds of blocks, which tell readers what they are; lists of blocks are kept whole."""
+    if not isinstance(short, dict):
+        return whole
+    return {key: _with_kinds(each, short.get(key)) for key, each in whole.items() if key in short or key == "kind"}
 
 
 def save(scenario: Scenario, path: str | os.PathLike[str]) -> None:
