@@ -132,7 +132,15 @@ def sizes(fields: Fields) -> dict[str, float]:
     found |= {"reaction": max(force, QUIET * tension, 1e-3 * LEAST_FORCE), "tension": tension}
     found["contact_force"] = max(found.get("contact_force", 0.0), QUIET * tension)
     found["energy"] = max(found.get("energy", 0.0), QUIET * tension * sag)
+    if found["contact_force"] <= LEAST_FORCE:  # nothing presses: friction works by the rounding of forces
+        found["energy"] = max(found["energy"], LEAST_FORCE * _distance(fields))
     return {name: size or 1.0 for name, size in found.items()}
+
+
+def _distance(fields: Fields) -> float:
+    """Return the largest distance that a load moves."""
+    places = [v for (name, _), v in fields.items() if name == "contact_position" and np.isfinite(v).any()]
+    return max((float(np.nanmax(np.linalg.norm(v - v[0], axis=-1), initial=0.0)) for v in places), default=0.0)
 
 
 def _sag(values: np.ndarray) -> float:
