@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .compare import TWO_ENGINES, Sides, comparable
-from .running import WITH_AXIS, Fields, Outcome, length_of, read, run
+from .running import WITH_AXIS, Fields, Outcome, engines, length_of, read, run
 from .trees import Tree, copied, dimension, get, in_space, loads_of, measures, mirrored, moved, numbers, put, turned
 from .trees import unit_of as unit_at
 
@@ -71,9 +71,10 @@ def rotation(tree: Tree, rng: Random) -> Sides:
     angle = rng.choice([0.0, rng.uniform(0.2, 1.3), math.pi / 2, math.pi, rng.uniform(-3.0, 3.0)])
     c, s = math.cos(angle), math.sin(angle)
     back = [[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]
-    right = with_fields(run(turned(tree, angle)), lambda f: transformed(f, back))
+    aside = turned(tree, angle)
+    right = with_fields(run(aside), lambda f: transformed(f, back))
     if not _is_spatial(tree) and rng.random() < 0.5:  # another engine may compute what leaves the plane
-        return Sides(run(tree), right, tolerance=TWO_ENGINES, only=comparable(tree))
+        return Sides(run(tree), right, TWO_ENGINES, comparable(tree), engines=engines(tree, aside))
     return Sides(run(in_space(tree)), right)
 
 
