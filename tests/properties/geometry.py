@@ -30,8 +30,14 @@ def transformed(fields: Fields, matrix: Any, origin: Any = (0.0, 0.0, 0.0)) -> F
     for key, values in fields.items():
         if key[0] in WITH_AXIS:
             own = values - np.asarray(origin) if key[0].endswith("position") else values
-            found[key] = own @ np.asarray(matrix).T
+            found[key] = _product(own, np.asarray(matrix))
     return found
+
+
+def _product(vectors: Any, matrix: Any) -> Any:
+    """Multiply vectors by a matrix; a component that is NaN leaves those alone which do not depend on it."""
+    parts = [[vectors[..., b] * factor for b, factor in enumerate(row) if factor] for row in matrix]
+    return np.stack([np.sum(part, axis=0) for part in parts], axis=-1)
 
 
 # -- Mirror, translation, rotation -------------------------------------------------------------------------------
