@@ -89,7 +89,8 @@ def rotation(tree: Tree, rng: Random) -> Sides:
 
 def reverses(tree: Tree) -> bool:
     """Whether lines can be written from the other end: arc lengths are counted from one of them."""
-    standing = any(load["kind"] == "axles" and load["travel"]["speed"] == 0 for load in loads_of(tree))
+    rows = [load for load in loads_of(tree) if load["kind"] in ("axles", "train")]  # behind each other, by direction
+    standing = any(load["travel"]["speed"] == 0 for load in rows)
     return bool(tree.get("lines")) and measures(tree) <= {"material"} and not standing
 
 
@@ -121,7 +122,7 @@ def reversed_line(tree: Tree, name: str) -> Tree:
 
 def reverse_load(load: Tree, length: float) -> None:
     """Let a load begin as far from the other end, and move the other way."""
-    if load["kind"] == "footsteps":
+    if load["kind"] in ("footsteps", "walker"):
         load |= {"from": length - load["from"], "towards": "start" if load.get("towards") != "start" else "end"}
         return
     travel = load["travel"]
@@ -196,8 +197,9 @@ def units(tree: Tree, rng: Random) -> Sides:
 
 
 def scales(tree: Tree) -> bool:
-    """Whether the scenario is of lines, without people, whose models hold for some frequencies."""
-    return bool(tree.get("lines")) and all(load["kind"] != "footsteps" for load in loads_of(tree))
+    """Whether the scenario is of lines, without people and tracks, which have sizes by default."""
+    people = any(load["kind"] in ("footsteps", "walker") for load in loads_of(tree))
+    return bool(tree.get("lines")) and not people and not tree.get("tracks")
 
 
 def with_steps(tree: Tree) -> Tree:
@@ -235,9 +237,9 @@ def scaling(tree: Tree, rng: Random) -> Sides:
 
 # -- Names and order ---------------------------------------------------------------------------------------------
 
-_NAMED = ("lines", "loads", "joints", "nets", "hangers", "overhead_lines", "supports", "sheaves", "segments", "bodies",
-          "wheels", "springs")  # fmt: skip
-_REFERENCES = ("on", "to", "from", "between", "coordinate", "coordinates")
+_NAMED = ("lines", "loads", "joints", "nets", "hangers", "overhead_lines", "supports", "sheaves", "saddles", "segments",
+          "bodies", "wheels", "springs", "tracks")  # fmt: skip
+_REFERENCES = ("on", "to", "from", "between", "coordinate", "coordinates", "rail", "over")
 
 
 def names_and_order(tree: Tree, rng: Random) -> Sides:

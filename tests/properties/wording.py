@@ -51,7 +51,7 @@ def splits(tree: Tree) -> bool:
     if len(tree.get("lines", {})) != 1 or tree["run"]["kind"] == "linear":
         return False
     (line,) = tree["lines"].values()
-    extra = {"bending_stiffness", "supports", "sheaves", "segments", "foundation"} & set(line)
+    extra = {"bending_stiffness", "supports", "sheaves", "saddles", "segments", "foundation"} & set(line)
     return not extra and measures(tree) <= {"material"}
 
 
