@@ -90,6 +90,11 @@ def _leaves_damping_out(tree: Tree, relation: str, found: Difference) -> bool:
     return relation == "nothing added" and tree["run"]["kind"] == "linear" and damped
 
 
+def _joins_inextensible(tree: Tree, relation: str, found: Difference) -> bool:
+    """Two inextensible lines that are joined find no equilibrium, where one line does."""
+    return relation == "joined lines" and "inextensible lines find no rest" in found.what
+
+
 def _passes_a_support(tree: Tree, relation: str, found: Difference) -> bool:
     """Bodies on modes are handed over from span to span: contact forces ring after an inner support."""
     added = relation == "nothing added" and "spring without stiffness" in found.what
@@ -112,6 +117,7 @@ KNOWN: tuple[Known, ...] = (
     Known("mass-over-support", 3, "bodies on modes change span at inner supports", _passes_a_support),
     Known("beams-on-slopes", 3, "an engine leaves out inertia along beams", _rides_on_a_slope),
     Known("end-of-path", 2, "engines differ in when a quasi-static path ends", _ends_the_path),
+    Known("inextensible-joined", 4, "joined inextensible lines find no equilibrium", _joins_inextensible),
     Known("quasi-static-search", 2, "places of loads on slack lines are not always found", _searches_on_the_way),
     Known("undamped-strings", 2, "the closed form of a string has no damping", _leaves_damping_out),
     Known("coarse-steps", 2, "forces follow the last step, whose length depends on the output", _takes_coarse_steps),
