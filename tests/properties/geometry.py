@@ -217,7 +217,10 @@ def with_steps(tree: Tree) -> Tree:
 
 def scaling(tree: Tree, rng: Random) -> Sides:
     """Multiply all lengths, masses and times by factors of their own."""
-    base = with_steps(tree)
+    base = with_steps(copied(tree))
+    for load in loads_of(base):
+        if load["kind"] == "train":
+            load["gravity"] = 9.81  # its default, also where that of the scenario is 0
     factors = tuple(rng.choice([1.0, rng.uniform(0.2, 5.0)]) for _ in range(3))
 
     def factor(unit: str) -> float:
