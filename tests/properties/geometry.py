@@ -156,6 +156,8 @@ def overhead_from_the_other_end(tree: Tree, rng: Random) -> Sides:
     length, found = spans["count"] * spans["length"], copied(tree)
     for load in loads_of(found):
         reverse_load(load, length)
+        if load["kind"] == "force":
+            load["force"] = [-load["force"][0], *load["force"][1:]]
 
     def back(fields: Fields) -> Fields:
         flipped = {key: v[:, ::-1] if key[0] in ("position", "tension") else v for key, v in fields.items()}

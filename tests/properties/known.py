@@ -6,6 +6,7 @@ sheaves, saddles; 5 overhead lines. An entry that no run meets any more is to be
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -90,6 +91,16 @@ def _leaves_damping_out(tree: Tree, relation: str, found: Difference) -> bool:
     return relation == "nothing added" and tree["run"]["kind"] == "linear" and damped
 
 
+def _counts_along_the_chord(tree: Tree, relation: str, found: Difference) -> bool:
+    """One engine counts from and speed along the chord of lines given by a tension, without their strain."""
+    sides = "engines differ" in found.what and "wires" in found.what.partition("engines differ")[2]
+    numbers = re.search(r"_position .* differs by (\S+) of (\S+)", found.what)
+    given = [line for line in tree.get("lines", {}).values() if "tension" in line]
+    along = max((np.linalg.norm(np.subtract(line["end"], line["start"])) * line["tension"] / line["axial_stiffness"]
+                 for line in given), default=0.0)  # fmt: skip
+    return sides and numbers is not None and float(numbers[1]) * float(numbers[2]) <= 1.05 * along
+
+
 def _joins_inextensible(tree: Tree, relation: str, found: Difference) -> bool:
     """Two inextensible lines that are joined find no equilibrium, where one line does."""
     return relation == "joined lines" and "inextensible lines find no rest" in found.what
@@ -116,6 +127,7 @@ KNOWN: tuple[Known, ...] = (
     Known("vehicle-beyond-the-end", 3, "engines differ in where a vehicle is that has left its line", _has_left),
     Known("mass-over-support", 3, "bodies on modes change span at inner supports", _passes_a_support),
     Known("beams-on-slopes", 3, "an engine leaves out inertia along beams", _rides_on_a_slope),
+    Known("strain-of-wires", 2, "an engine counts along chords, not unstrained lengths", _counts_along_the_chord),
     Known("end-of-path", 2, "engines differ in when a quasi-static path ends", _ends_the_path),
     Known("inextensible-joined", 4, "joined inextensible lines find no equilibrium", _joins_inextensible),
     Known("quasi-static-search", 2, "places of loads on slack lines are not always found", _searches_on_the_way),
