@@ -78,6 +78,19 @@ def test_a_mass_comes_from_the_far_end_of_a_string_given_by_its_tension() -> Non
     assert back[:, ::-1] == pytest.approx(there, abs=1e-9)
 
 
+@pytest.mark.parametrize("kind", [{"kind": "mass", "mass": 5.0}, {"kind": "oscillator", "mass": 4.0, "wheel_mass": 1.0,
+                                                                 "stiffness": 1e3}])  # fmt: skip
+def test_a_load_starts_between_the_ends_of_a_string_in_either_direction(kind: dict[str, Any]) -> None:
+    length = float(run(STRING, [30.0, 0.0], 9.81, **kind, travel={"speed": 20.0, "from": 12.0}).xi.values[-1])
+    both = [
+        run(STRING, [30.0, 0.0], 9.81, **kind, travel={"speed": V, "from": start})
+        for V, start in ((20.0, 12.0), (-20.0, length - 12.0))
+    ]
+    there, back = (one.position.values[..., 1] for one in both)
+    assert np.abs(there).max() > 1e-3
+    assert back[:, ::-1] == pytest.approx(there, abs=1e-9)
+
+
 def test_a_train_of_vehicles_that_runs_backwards_is_the_mirror_image() -> None:
     car = {
         "length": 8.0, "bodies": {"box": {"mass": 9e3, "inertia": 2e4}},

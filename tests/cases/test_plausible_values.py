@@ -107,3 +107,22 @@ def test_values_that_are_off_by_orders_of_magnitude_are_named_by_their_keys(chan
     assert foreseen(scenario)[1] == found  # `ropewalk check` has them
     if key is not None:
         assert any(text.startswith(f"lines.a.{key}: ") and "check the units" in text for text in found)
+
+
+@pytest.mark.parametrize("kind", ["dynamic", "linear"])
+@pytest.mark.parametrize("changes", [{}, {"bending_stiffness": 1e3}, {"length": None, "tension": 10e3}])
+@pytest.mark.parametrize(("mass", "beyond"), [(1.0, False), (0.1, False), (0.01, True)])  # 4, 12 and 39 km/s
+def test_waves_faster_than_in_any_material_are_named(
+    kind: str, changes: dict[str, Any], mass: float, beyond: bool
+) -> None:
+    lines = {"a": {**STEEL, "mass": mass, **changes}}
+    given = Scenario.model_validate({"lines": lines, "run": {"kind": kind, "until": 1.0}})
+    assert any(text.startswith("lines.a.mass: ") and "km/s" in text for text in implausible(given)) == beyond
+
+
+def test_hangers_with_waves_faster_than_in_any_material_are_named() -> None:
+    lines = {name: {**STEEL, "start": [0, z], "end": [20, z]} for name, z in (("a", 0), ("b", -2))}
+    for mass, beyond in ((0.5, False), (0.5e-3, True)):
+        row = {"from": "a", "to": "b", "count": 2, "mass": mass, "axial_stiffness": 5e6}
+        given = {"lines": lines, "hangers": {"rods": row}, "run": {"kind": "dynamic", "until": 1.0}}
+        assert any("hangers.rods.mass" in text for text in implausible(Scenario.model_validate(given))) == beyond

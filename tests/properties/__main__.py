@@ -83,10 +83,13 @@ def main() -> int:
         return int(verdict is not None and verdict.is_violated)
     workers = [Worker() for _ in range(given.workers)]
     found = []
-    for verdict in examined([int(seed) for seed in given.seeds.split(",")], given.pairs, workers):
-        found.append(verdict)
-        if verdict.is_violated:
-            print(f"{verdict.pair} ({verdict.kind}) [{verdict.case or 'VIOLATION'}]: {verdict.what}", flush=True)
+    try:
+        for verdict in examined([int(seed) for seed in given.seeds.split(",")], given.pairs, workers):
+            found.append(verdict)
+            if verdict.is_violated:
+                print(f"{verdict.pair} ({verdict.kind}) [{verdict.case or 'VIOLATION'}]: {verdict.what}", flush=True)
+    except KeyboardInterrupt:  # report the pairs up to now
+        print("interrupted")
     told = report(found, sum(worker.cpu for worker in workers))
     printed(told)
     if given.json:

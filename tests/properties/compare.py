@@ -28,6 +28,9 @@ EVENTS = 1
 TWO_ENGINES = 1e-3
 """Relative difference of the time steps of two engines, in places."""
 
+DOUBTFUL = "one side is doubtful"
+"""Note of a difference."""
+
 MODEST = 0.02
 """Relative difference between two models that agree in the limit (slow, small, another kind of body)."""
 
@@ -58,6 +61,7 @@ class Sides:
     only: tuple[str, ...] = tuple(OWNERS)
     scales: dict[str, float] | None = None  # by variable, instead of those of the left side
     note: str = ""  # added to the difference
+    engines: str = ""  # that differ
     path: bool = True  # whether both have the same instants, or positions of the load
 
 
@@ -78,12 +82,23 @@ def difference(sides: Sides) -> Difference:
     if CRASH in (left.kind, right.kind):
         return Difference(np.inf, f"crash: {left.text if left.kind == CRASH else right.text}")
     if left.kind != right.kind:
-        note = f" ({sides.note})" if sides.note else ""
-        return Difference(np.inf, f"{left.kind} and {right.kind}: {left.text or right.text}{note}")
+        return Difference(np.inf, f"{left.kind} and {right.kind}: {left.text or right.text}{_notes(sides)}")
     if left.kind != DONE or (left.doubts and right.doubts):
         return Difference(0.0, left.kind)
-    found = max(_differences(sides), key=lambda found: found.size, default=Difference(0.0))
-    return Difference(found.size, f"{found.what} ({sides.note})" if sides.note else found.what)
+    found = max(_differences(sides), key=_first_of_paths, default=Difference(0.0))
+    return Difference(found.size, found.what + _notes(sides))
+
+
+def _first_of_paths(found: Difference) -> tuple[bool, float]:
+    """Order differences by size, after those of instants or load paths, by which all else differs."""
+    return found.size > 1.0 and found.what.startswith(("time", "load_path")), found.size
+
+
+def _notes(sides: Sides) -> str:
+    """Return what sides tell of themselves, in brackets."""
+    doubtful = DOUBTFUL if sides.left.doubts or sides.right.doubts else ""
+    notes = ", ".join(note for note in (sides.note, sides.engines, doubtful) if note)
+    return f" ({notes})" if notes else ""
 
 
 def _differences(sides: Sides) -> Iterable[Difference]:
@@ -132,7 +147,15 @@ def sizes(fields: Fields) -> dict[str, float]:
     found |= {"reaction": max(force, QUIET * tension, 1e-3 * LEAST_FORCE), "tension": tension}
     found["contact_force"] = max(found.get("contact_force", 0.0), QUIET * tension)
     found["energy"] = max(found.get("energy", 0.0), QUIET * tension * sag)
+    if found["contact_force"] <= LEAST_FORCE:  # nothing presses: friction works by the rounding of forces
+        found["energy"] = max(found["energy"], LEAST_FORCE * _distance(fields))
     return {name: size or 1.0 for name, size in found.items()}
+
+
+def _distance(fields: Fields) -> float:
+    """Return the largest distance that a load moves."""
+    places = [v for (name, _), v in fields.items() if name == "contact_position" and np.isfinite(v).any()]
+    return max((float(np.nanmax(np.linalg.norm(v - v[0], axis=-1), initial=0.0)) for v in places), default=0.0)
 
 
 def _sag(values: np.ndarray) -> float:

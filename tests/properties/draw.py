@@ -20,8 +20,9 @@ from .trees import Tree, copied, in_space, measures, mirrored, turned
 RUNS = {"dynamic": 6, "linearised": 2, "linear": 4, "quasistatic": 3, "equilibrium": 2}
 LOADS = {
     "dynamic": {"force": 4, "axles": 1, "mass": 3, "oscillator": 2, "trolley": 1, "vehicle": 2, "matrices": 1,
-                "footsteps": 1},
-    "linear": {"force": 5, "axles": 1, "mass": 1, "oscillator": 1, "vehicle": 1, "matrices": 1},
+                "footsteps": 1, "train": 1, "walker": 1},
+    "linear": {"force": 5, "axles": 1, "mass": 1, "oscillator": 1, "vehicle": 1, "matrices": 1,
+               "train": 1},
     "quasistatic": {"force": 5, "axles": 1, "mass": 1},
     "equilibrium": {"force": 5, "mass": 2},
 }  # fmt: skip
@@ -47,7 +48,16 @@ def draw(rng: Random) -> Tree:
     number = choose(rng, NUMBER) if kind in ("dynamic", "linearised", "equilibrium") else choose(rng, {1: 7, 2: 3})
     tree["run"] = _run(rng, kind, s)
     _add_loads(rng, tree, s, kind, number)
+    if kind == "linear" and any(load["kind"] not in ("force", "axles") for load in tree["loads"].values()):
+        _shorten(tree)
     return _placed(rng, tree, s)
+
+
+def _shorten(tree: Tree) -> None:
+    """Let a run of bodies on modes take half the links and less time: its steps follow the shortest wave."""
+    for line in tree.get("lines", {}).values():
+        line["elements"] = max(line["elements"] // 2, 4)
+    tree["run"] |= {key: 0.4 * tree["run"][key] for key in ("until", "every")}
 
 
 def _run(rng: Random, kind: str, s: Structure) -> Tree:
@@ -113,14 +123,17 @@ def slack(rng: Random) -> Structure:
     length = chord * rng.uniform(1.01, 1.06)
     law = rng.choice([{}, {}, {"law": {"kind": "tension_only"}}, {"law": {"kind": "second_piola_kirchhoff"}}])
     line = {**_ends(rng, chord, 1e4), "length": length, "mass": 1.0, "axial_stiffness": 1e6, "elements": 40, **law}
-    if rng.random() < 0.7:
+    if rng.random() < 0.15:
+        line |= {"law": {"kind": "inextensible"}}
+        line.pop("axial_stiffness")
+    elif rng.random() < 0.7:
         line["axial_damping"] = 200.0
     return _sized({"lines": {"rope": line}}, length, 5.0, 3.0, 0.4, "slack")
 
 
 def cable(rng: Random) -> Structure:
     drawn = rng.choice([taut, taut, slack])(rng)
-    line = drawn.with_line(bending_stiffness=rng.choice([100.0, 1e4]), law=None)
+    line = drawn.with_line(bending_stiffness=rng.choice([100.0, 1e4]), law=None, axial_stiffness=1e6)
     return replace(drawn, parts=line, family="stiff")
 
 
@@ -141,8 +154,8 @@ def beam(rng: Random) -> Structure:
 
 
 def network(rng: Random) -> Structure:
-    """Return ropes that are joined or run over a sheave, as in the matrix of what works, with coarser meshes."""
-    s = BY_NAME[rng.choice(["joined", "hung", "ring", "sheave"])]
+    """Return ropes that are joined or run over a sheave or saddle, as in the matrix, with coarser meshes."""
+    s = BY_NAME[rng.choice(["joined", "hung", "ring", "sheave", "shoe"])]
     parts = copied(s.parts)
     for line in (*parts["lines"].values(), *parts.get("hangers", {}).values()):
         line["elements"] = max(line.get("elements", 1) // 3, 1)
@@ -152,7 +165,23 @@ def network(rng: Random) -> Structure:
     elif s.name == "sheave":
         tower = {"at": [rng.uniform(9, 13), 1.0], "friction": rng.choice([0.0, 0.05])}
         parts["lines"]["rope"]["sheaves"]["tower"] = tower
-    return replace(s, parts=parts, length=min(s.length, 11.9) if s.name in ("ring", "sheave") else s.length)
+    elif s.name == "shoe":
+        tower = {"at": [rng.uniform(9, 13), 0.5], "radius": rng.uniform(1, 3), "friction": rng.choice([0.0, 0.1])}
+        parts["lines"]["rope"]["saddles"]["tower"] = tower
+    short = s.name in ("ring", "sheave", "shoe")
+    return replace(s, parts=parts, length=min(s.length, 11.9) if short else s.length)
+
+
+def track(rng: Random) -> Structure:
+    """Return a rail on sleepers, on a bridge in the middle, with coarser meshes."""
+    s = BY_NAME["track"]
+    parts = copied(s.parts)
+    for line in parts["lines"].values():
+        line["elements"] //= 2
+        for key, unit in (("bending_stiffness", "N*m^2"), ("axial_stiffness", "N")):
+            line[key] = to_si(line[key], unit)
+    parts["tracks"]["track"]["sleepers"]["spacing"] = rng.choice([0.6, 0.8, 1.0])
+    return replace(s, parts=parts)
 
 
 def surface(rng: Random) -> Structure:
@@ -173,7 +202,7 @@ def overhead(rng: Random) -> Structure:
 
 
 STRUCTURES: dict[Callable[[Random], Structure], float] = {
-    taut: 5, slack: 4, cable: 3, beam: 6, network: 4, surface: 3, overhead: 1.5,
+    taut: 5, slack: 4, cable: 3, beam: 6, network: 4, surface: 3, overhead: 1.5, track: 1,
 }  # fmt: skip
 
 # -- Loads -------------------------------------------------------------------------------------------------------
@@ -191,7 +220,7 @@ def _add_loads(rng: Random, tree: Tree, s: Structure, kind: str, number: int) ->
             sort = "pantograph"
         load = _load(rng, sort, replace(s, mass=s.mass * rng.uniform(0.3, 1.0) / number))
         start = base + 0.17 * k * s.length
-        if sort == "footsteps":
+        if sort in ("footsteps", "walker"):
             load |= {"from": start} | ({"path": vocabulary.PATH} if s.is_surface else {})
         else:
             load["travel"] = _travel(how, sort, s, start)
@@ -221,7 +250,7 @@ def _load(rng: Random, sort: str, s: Structure) -> Tree:
 def _travel(how: str, sort: str, s: Structure, start: float) -> Tree:
     """Return the travel of a load, as far as loads of its sort have it."""
     found: Tree = {"speed": s.speed, "from": start} | ({"path": vocabulary.PATH} if s.is_surface else {})
-    plain = s.is_surface or sort == "pantograph"
+    plain = s.is_surface or sort in ("pantograph", "train")
     if how in ("horizontal", "slip", "arc") and not plain:
         found["measured"] = how
     elif how == "backwards":
@@ -231,7 +260,7 @@ def _travel(how: str, sort: str, s: Structure, start: float) -> Tree:
     elif how == "table":
         t = s.until
         found["speed"] = {"time": [0.0, 0.5 * t, t], "value": [s.speed, 1.2 * s.speed, 0.8 * s.speed]}
-    elif how in ("stay", "leave") and sort != "axles" and not plain:
+    elif how in ("stay", "leave") and sort not in ("axles", "train") and not plain:
         late = start + 0.65 * s.length - 0.5 * s.speed * s.until
         found |= {"at_end": how, "from": min(late, 0.97 * s.length)}
     elif how == "free" and sort in ("mass", "trolley", "oscillator"):

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .compare import TWO_ENGINES, Sides, comparable
-from .running import WITH_AXIS, Fields, Outcome, length_of, read, run
+from .running import WITH_AXIS, Fields, Outcome, engines, length_of, read, run
 from .trees import Tree, copied, dimension, get, in_space, loads_of, measures, mirrored, moved, numbers, put, turned
 from .trees import unit_of as unit_at
 
@@ -30,8 +30,14 @@ def transformed(fields: Fields, matrix: Any, origin: Any = (0.0, 0.0, 0.0)) -> F
     for key, values in fields.items():
         if key[0] in WITH_AXIS:
             own = values - np.asarray(origin) if key[0].endswith("position") else values
-            found[key] = own @ np.asarray(matrix).T
+            found[key] = _product(own, np.asarray(matrix))
     return found
+
+
+def _product(vectors: Any, matrix: Any) -> Any:
+    """Multiply vectors by a matrix; a component that is NaN leaves those alone which do not depend on it."""
+    parts = [[vectors[..., b] * factor for b, factor in enumerate(row) if factor] for row in matrix]
+    return np.stack([np.sum(part, axis=0) for part in parts], axis=-1)
 
 
 # -- Mirror, translation, rotation -------------------------------------------------------------------------------
@@ -71,9 +77,10 @@ def rotation(tree: Tree, rng: Random) -> Sides:
     angle = rng.choice([0.0, rng.uniform(0.2, 1.3), math.pi / 2, math.pi, rng.uniform(-3.0, 3.0)])
     c, s = math.cos(angle), math.sin(angle)
     back = [[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]
-    right = with_fields(run(turned(tree, angle)), lambda f: transformed(f, back))
+    aside = turned(tree, angle)
+    right = with_fields(run(aside), lambda f: transformed(f, back))
     if not _is_spatial(tree) and rng.random() < 0.5:  # another engine may compute what leaves the plane
-        return Sides(run(tree), right, tolerance=TWO_ENGINES, only=comparable(tree))
+        return Sides(run(tree), right, TWO_ENGINES, comparable(tree), engines=engines(tree, aside))
     return Sides(run(in_space(tree)), right)
 
 
@@ -82,7 +89,8 @@ def rotation(tree: Tree, rng: Random) -> Sides:
 
 def reverses(tree: Tree) -> bool:
     """Whether lines can be written from the other end: arc lengths are counted from one of them."""
-    standing = any(load["kind"] == "axles" and load["travel"]["speed"] == 0 for load in loads_of(tree))
+    rows = [load for load in loads_of(tree) if load["kind"] in ("axles", "train")]  # behind each other, by direction
+    standing = any(load["travel"]["speed"] == 0 for load in rows)
     return bool(tree.get("lines")) and measures(tree) <= {"material"} and not standing
 
 
@@ -114,7 +122,7 @@ def reversed_line(tree: Tree, name: str) -> Tree:
 
 def reverse_load(load: Tree, length: float) -> None:
     """Let a load begin as far from the other end, and move the other way."""
-    if load["kind"] == "footsteps":
+    if load["kind"] in ("footsteps", "walker"):
         load |= {"from": length - load["from"], "towards": "start" if load.get("towards") != "start" else "end"}
         return
     travel = load["travel"]
@@ -148,6 +156,8 @@ def overhead_from_the_other_end(tree: Tree, rng: Random) -> Sides:
     length, found = spans["count"] * spans["length"], copied(tree)
     for load in loads_of(found):
         reverse_load(load, length)
+        if load["kind"] == "force":
+            load["force"] = [-load["force"][0], *load["force"][1:]]
 
     def back(fields: Fields) -> Fields:
         flipped = {key: v[:, ::-1] if key[0] in ("position", "tension") else v for key, v in fields.items()}
@@ -189,8 +199,9 @@ def units(tree: Tree, rng: Random) -> Sides:
 
 
 def scales(tree: Tree) -> bool:
-    """Whether the scenario is of lines, without people, whose models hold for some frequencies."""
-    return bool(tree.get("lines")) and all(load["kind"] != "footsteps" for load in loads_of(tree))
+    """Whether the scenario is of lines, without people and tracks, which have sizes by default."""
+    people = any(load["kind"] in ("footsteps", "walker") for load in loads_of(tree))
+    return bool(tree.get("lines")) and not people and not tree.get("tracks")
 
 
 def with_steps(tree: Tree) -> Tree:
@@ -208,7 +219,10 @@ def with_steps(tree: Tree) -> Tree:
 
 def scaling(tree: Tree, rng: Random) -> Sides:
     """Multiply all lengths, masses and times by factors of their own."""
-    base = with_steps(tree)
+    base = with_steps(copied(tree))
+    for load in loads_of(base):
+        if load["kind"] == "train":
+            load["gravity"] = 9.81  # its default, also where that of the scenario is 0
     factors = tuple(rng.choice([1.0, rng.uniform(0.2, 5.0)]) for _ in range(3))
 
     def factor(unit: str) -> float:
@@ -228,9 +242,9 @@ def scaling(tree: Tree, rng: Random) -> Sides:
 
 # -- Names and order ---------------------------------------------------------------------------------------------
 
-_NAMED = ("lines", "loads", "joints", "nets", "hangers", "overhead_lines", "supports", "sheaves", "segments", "bodies",
-          "wheels", "springs")  # fmt: skip
-_REFERENCES = ("on", "to", "from", "between", "coordinate", "coordinates")
+_NAMED = ("lines", "loads", "joints", "nets", "hangers", "overhead_lines", "supports", "sheaves", "saddles", "segments",
+          "bodies", "wheels", "springs", "tracks")  # fmt: skip
+_REFERENCES = ("on", "to", "from", "between", "coordinate", "coordinates", "rail", "over")
 
 
 def names_and_order(tree: Tree, rng: Random) -> Sides:

@@ -48,6 +48,25 @@ def read(tree: Tree) -> Any:
     return loads(json.dumps(tree), "property.json")
 
 
+def engine(tree: Tree) -> str:
+    """Return the name of the engine that computes a tree, empty if it is refused."""
+    from ropewalk import capabilities
+    from ropewalk.errors import RopewalkError
+
+    try:
+        own = capabilities.engine_of(read(tree))
+    except RopewalkError:
+        return ""
+    names = ("ROPES", "WIRES", "SYSTEM", "LINEAR", "SUPERPOSED")
+    return next(name.lower() for name in names if getattr(capabilities, name) is own)
+
+
+def engines(one: Tree, other: Tree) -> str:
+    """Return a note where two trees are computed by two engines."""
+    names = engine(one), engine(other)
+    return "" if names[0] == names[1] else f"engines differ: {' and '.join(name or 'none' for name in names)}"
+
+
 def attempt(compute: Callable[[], xr.Dataset]) -> Outcome:
     """Run something that gives a result; a refusal, a stopped run and a crash are outcomes, too."""
     from ropewalk.errors import RopewalkError, ScenarioError

@@ -63,8 +63,7 @@ def command_line(tree: Tree, rng: Random) -> Sides:
         file.write_text(json.dumps(tree), encoding="utf-8")
         try:
             with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
-                app(["run", str(file), "-o", str(result), "--quiet"], standalone_mode=False)
-            code = 0
+                code = app(["run", str(file), "-o", str(result), "--quiet"], standalone_mode=False) or 0
         except SystemExit as end:
             code = int(end.code or 0)
         if code in (0, 4):

@@ -14,7 +14,8 @@ Path = tuple[str | int, ...]
 UNITS = {
     "gravity": "m/s^2", "start": "m", "end": "m", "at": "m", "position": "m", "displacement": "m", "length": "m",
     "from": "m", "to": "m", "path": "m", "corner": "m", "sides": "m", "margin": "m", "wind_drag": "m", "radius": "m",
-    "mass": "kg", "wheel_mass": "kg", "inertia": "kg*m^2", "tension": "N", "force": "N", "forces": "N",
+    "mass": "kg", "wheel_mass": "kg", "foot_mass": "kg", "leg_stiffness": "N/m", "leg_damping": "N*s/m", "spacing": "m",
+    "inertia": "kg*m^2", "tension": "N", "force": "N", "forces": "N",
     "axial_stiffness": "N", "axial_damping": "N*s", "bending_stiffness": "N*m^2", "foundation": "N/m^2",
     "stiffness": "N/m", "damping": "N*s/m", "drag": "1/s", "air_drag": "kg/m", "viscous": "N*s/m", "drive": "N",
     "speed": "m/s", "time": "s", "until": "s", "every": "s", "step": "s", "sample": "s", "accuracy": "m", "weight": "N",

@@ -8,7 +8,7 @@ import numpy as np
 
 from .compare import MODEST, PLACES, TWO_ENGINES, Sides, comparable
 from .geometry import with_fields
-from .running import DONE, Fields, length_of, run
+from .running import DONE, Fields, engines, length_of, run
 from .trees import Tree, copied, measures
 
 APART = 1e-7
@@ -51,7 +51,7 @@ def splits(tree: Tree) -> bool:
     if len(tree.get("lines", {})) != 1 or tree["run"]["kind"] == "linear":
         return False
     (line,) = tree["lines"].values()
-    extra = {"bending_stiffness", "supports", "sheaves", "segments", "foundation"} & set(line)
+    extra = {"bending_stiffness", "supports", "sheaves", "saddles", "segments", "foundation"} & set(line)
     return not extra and measures(tree) <= {"material"}
 
 
@@ -79,7 +79,7 @@ def joined_lines(tree: Tree, rng: Random) -> Sides | None:
     for which, own, end in ((name, line, "start_support"), ("rest", line, "end_support")):
         if end in own:
             parts[which][end] = own[end]
-    right = run({**tree, "lines": parts, "joints": {"knot": {}}})
+    joined = {**tree, "lines": parts, "joints": {"knot": {}}}
 
     def back(fields: Fields) -> Fields:
         one = dict(fields)
@@ -89,7 +89,8 @@ def joined_lines(tree: Tree, rng: Random) -> Sides | None:
         one["reaction", f"{name}.end"] = fields["reaction", "rest.end"]
         return one
 
-    return Sides(left, with_fields(right, back), tolerance=TWO_ENGINES, only=comparable(tree))
+    right = with_fields(run(joined), back)
+    return Sides(left, right, TWO_ENGINES, comparable(tree), engines=engines(tree, joined))
 
 
 # -- Nothing added -----------------------------------------------------------------------------------------------
@@ -170,7 +171,8 @@ def nothing_added(tree: Tree, rng: Random) -> Sides:
                 found["tension", own] = left.fields["tension", own]
         return found
 
-    return Sides(left, with_fields(run(more), back), tolerance=TWO_ENGINES, only=comparable(tree), note=name)
+    right = with_fields(run(more), back)
+    return Sides(left, right, TWO_ENGINES, comparable(tree), note=name, engines=engines(tree, more))
 
 
 # -- Bodies ------------------------------------------------------------------------------------------------------

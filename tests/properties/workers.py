@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import multiprocessing
+import signal
 import time
 from multiprocessing.connection import Connection
 
 from .pairs import Verdict, verdicts
 
-LIMIT = 120.0
-"""Seconds for a pair; compiling counts."""
+LIMIT, PATIENCE = 120.0, 1200.0
+"""Seconds of CPU for a pair, at whose end SIGPROF kills the worker, and of waiting; compiling counts."""
 
 
 def _work(connection: Connection) -> None:
     """Answer scenarios, (seed, number), by the verdicts on their pairs, and at last by None."""
     while (task := connection.recv()) is not None:
         for pair, verdict in verdicts(*task):
+            signal.setitimer(signal.ITIMER_PROF, LIMIT)
             connection.send((pair, verdict, time.process_time()))
         connection.send(None)
 
@@ -38,7 +40,7 @@ class Worker:
     @property
     def is_late(self) -> bool:
         """Whether it takes too long over a pair."""
-        return time.monotonic() - self.since > LIMIT
+        return time.monotonic() - self.since > PATIENCE
 
     def give(self, task: tuple[int, int] | None) -> None:
         """Give it a scenario, or let it end."""
@@ -50,7 +52,9 @@ class Worker:
         try:
             message = self.connection.recv()
         except (EOFError, ConnectionError):
-            return True, self._failed("the process died")
+            self._process.join()
+            late = self._process.exitcode == -signal.SIGPROF
+            return True, self._failed(f"no answer within {LIMIT:g} s of CPU" if late else "the process died")
         if message is None:
             return True, None
         self.pair, verdict, cpu = message
@@ -59,12 +63,11 @@ class Worker:
 
     def give_up(self) -> Verdict:
         """End a pair that takes too long."""
-        return self._failed(f"no answer within {LIMIT:g} s")
+        return self._failed(f"no answer within {PATIENCE:g} s")
 
     def _failed(self, why: str) -> Verdict:
         self._process.kill()
         self._process.join()
         pair, self._before = self.pair, self.cpu
         self._begin()
-        case = "too long" if "within" in why else ""
-        return Verdict(pair, pair.partition(" ")[2], "", float("inf"), why, case, LIMIT)
+        return Verdict(pair, pair.partition(" ")[2], "", float("inf"), why, "", LIMIT)

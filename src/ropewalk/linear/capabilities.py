@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from ropewalk.model._base import Finding
@@ -104,11 +105,18 @@ def _on(load: _Body, line: Line, run: object) -> Iterator[_Lack]:
         yield ("lift_off",), f"lift-off {on_string}", "true", remedy
     if isinstance(load.travel, FreeTravel) or callable(load.travel.speed) or isinstance(load.travel.speed, SpeedTable):
         return
-    limit, start = reach(line, load.travel.measured), load.travel.start
-    if (load.travel.speed > 0.0 and start != 0.0) or (
-        load.travel.speed < 0.0 and limit is not None and abs(start - limit) > 1e-9 * limit
-    ):
+    start = load.travel.start
+    if (load.travel.speed > 0.0 and start != 0.0) or (load.travel.speed < 0.0 and not _is_at_end(load, line)):
         yield ("travel", "from"), _INSIDE, f"{start:g} m", otherwise
+
+
+def _is_at_end(load: _Body, line: Line) -> bool:
+    """Whether a load starts at the end of its line, as far as that is known: a length by tension follows from sag."""
+    assert not isinstance(load.travel, FreeTravel)
+    limit, off = reach(line, load.travel.measured), 1e-9
+    if limit is None:
+        limit, off = line.distance, 0.01 + (line.tension or 0.0) / (line.axial_stiffness or math.inf)
+    return abs(load.travel.start - limit) <= off * limit
 
 
 _INSIDE = "a mass that starts between the ends of a line without bending stiffness"

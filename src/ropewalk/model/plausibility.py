@@ -81,6 +81,8 @@ def implausible(scenario: Scenario) -> Iterator[str]:
     for name, line in scenario.lines.items():
         if not (small and line.has_bending_stiffness):  # whose axial stiffness is not used
             yield from (f"lines.{name}.{text}" for text in _of_line(line, scenario.gravity))
+    if run.kind == "dynamic" or run.kind == "linear":
+        yield from _of_waves(scenario)
     yield from _of_ground(scenario)
 
 
@@ -115,6 +117,19 @@ def _of_line(line: Line, gravity: float) -> Iterator[str]:
             f"tension: {tension:.4g} N bears a weight of {weight:.4g} N only with a sag of about "
             f"{weight / (8.0 * tension):.3g} times the span; check the units of tension (N, kN) and mass (g/m, kg/m)"
         )
+
+
+def _of_waves(scenario: Scenario) -> Iterator[str]:
+    """Yield warnings about lines and hangers in which waves are faster than in any material."""
+    lines = {f"lines.{name}": (_axial_stiffness(line), line.mass) for name, line in scenario.lines.items()}
+    rows = {f"hangers.{name}": (row.axial_stiffness, row.mass) for name, row in scenario.hangers.items()}
+    for key, (EA, mass) in (lines | rows).items():
+        if EA is not None and (speed := math.sqrt(EA / mass)) > FASTEST:
+            yield (
+                f"{key}.mass: with {mass:.4g} kg/m and an axial stiffness of {EA:.4g} N axial waves would move at "
+                f"{1e-3 * speed:.3g} km/s, in steel at 5 km/s and in no material above 20 km/s; check the units of "
+                "mass (g/m or kg/m) and axial_stiffness (N, kN or MN), unless a line without mass or strain is meant"
+            )
 
 
 def _axial_stiffness(line: Line) -> float | None:

@@ -41,7 +41,7 @@ def chord_height(dataset: xr.Dataset, line: str, place: Array, along: Array) -> 
         chord = place[f, -1, :-1] - place[f, 0, :-1]
         way = chord / max(float(np.linalg.norm(chord)), 1e-300)
         here = [top for saddle, top in tops.items() if touched[saddle][f]]
-        there = [float((np.array(top[:-1]) - place[f, 0, :-1]) @ way) for top in here]
+        there = [float((np.array([top[0], *top[1:-1], 0.0][: len(way)]) - place[f, 0, :-1]) @ way) for top in here]
         inner = [(along[f, i], z[f, i]) for i in nodes]
         inner += [(at, max(top[-1], np.interp(at, along[f], z[f]))) for at, top in zip(there, here, strict=True)]
         ends = [(0.0, z[f, 0]), (along[f, -1], z[f, -1])]
