@@ -280,6 +280,90 @@ except KeyboardInterrupt:
     assert (run.returncode, run.stdout, run.stderr) == (0, "heard\n", "")
 
 
+@pytest.mark.parametrize("times", [1, 4])
+def test_an_interrupt_while_kernels_are_loaded_ends_the_command(times, tmp_path):
+    """LLVM asks Python for the machine code of a module and ignores exceptions: it went on without, and crashed."""
+    (tmp_path / "one.yaml").write_text(RUNS["chain, force"], encoding="utf-8")
+    ropewalk.simulate(ropewalk.load(tmp_path / "one.yaml", BRIEFLY))  # compiles
+    run = listening(
+        f"""
+from numba.core.codegen import JITCodeLibrary
+hook, calls = JITCodeLibrary._object_getbuffer_hook.__func__, []
+def interrupted(cls, module):
+    calls.append(module)
+    if len(calls) == {times}:
+        signal.raise_signal(signal.SIGINT)
+    return hook(cls, module)
+JITCodeLibrary._object_getbuffer_hook = classmethod(interrupted)
+sys.argv = ["ropewalk", "run", "one.yaml"]
+line.main()
+""",
+        tmp_path,
+    )
+    assert (run.returncode, run.stderr.splitlines()[-1:]) == (130, ["interrupted"]), run
+
+
+def test_an_exception_is_not_raised_where_llvm_drops_it(tmp_path):
+    run = listening(
+        """
+exec(compile("def call(function): function()", "binding.py", "exec"), found := {"__name__": "llvmlite.binding.ffi"})
+def swallow():
+    signal.raise_signal(signal.SIGINT)
+    print("whole")
+try:
+    found["call"](swallow)
+    time.sleep(20.0)
+except KeyboardInterrupt:
+    print("heard")
+""",
+        tmp_path,
+    )
+    assert (run.returncode, run.stdout, run.stderr) == (0, "whole\nheard\n", "")
+
+
+def test_a_deferred_interrupt_is_raised_after_the_block_whatever_that_raises(tmp_path):
+    run = listening(
+        """
+from ropewalk.interrupts import deferred
+for fault in ("", "0 / 0"):
+    try:
+        with deferred(), deferred():
+            signal.raise_signal(signal.SIGINT)
+            print("whole")
+            eval(fault or "0")
+    except KeyboardInterrupt:
+        print("heard")
+""",
+        tmp_path,
+    )
+    assert (run.returncode, run.stdout, run.stderr) == (0, "whole\nheard\n" * 2, "")
+
+
+@pytest.mark.parametrize("number", [1, 2])  # processes: the one that tidies up, and the first that computes
+def test_processes_of_a_sweep_are_started_whole_before_an_interrupt_is_raised(number, tmp_path):
+    """Interrupted within its start, a process printed a traceback, since what it reads first was not written."""
+    run = listening(
+        f"""
+import multiprocessing.util as starts
+from ropewalk.sweeps.pool import each
+start, begun = starts.spawnv_passfds, []
+def interrupted(*words):
+    begun.append(start(*words))
+    if len(begun) == {number}:
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(0.1)  # any thread may take it
+    return begun[-1]
+starts.spawnv_passfds = interrupted
+try:
+    print(*each([-1], abs, 1, 0))
+except KeyboardInterrupt:
+    print("heard")
+""",
+        tmp_path,
+    )
+    assert (run.returncode, run.stdout, run.stderr) == (0, "heard\n", "")
+
+
 def test_the_last_line_is_said_once(tmp_path):
     """The main thread and the one that watches beside the compiler may hear a signal at the same time."""
     run = listening(
@@ -289,8 +373,8 @@ import ropewalk.interrupts as interrupts
 write = os.write
 os.write = lambda *what: (write(*what), time.sleep(0.1))
 for _ in range(2):
-    threading.Thread(target=interrupts._leave, args=("once",)).start()
+    threading.Thread(target=interrupts._leave).start()
 """,
         tmp_path,
     )
-    assert (run.returncode, run.stderr) == (130, "once\n")
+    assert (run.returncode, run.stderr) == (130, "interrupted\n")
