@@ -6,8 +6,8 @@ input, 3 a run that stopped early, 4 a run that must not be trusted, 130 interru
 
 from __future__ import annotations
 
-from importlib import import_module
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
