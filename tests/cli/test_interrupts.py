@@ -129,6 +129,11 @@ line.main()
     assert run.returncode in ((130,) if after < 0.1 else (130, 0))
 
 
+def test_an_interrupt_is_heard_from_the_first_line_on(tmp_path):
+    run = listening("line.gc.set_threshold = lambda *_: signal.raise_signal(signal.SIGINT)\nline.main()", tmp_path)
+    assert (run.returncode, run.stdout, run.stderr) == (130, "", "interrupted\n")
+
+
 def listening(program, folder, **variables):
     """What a program does that listens to signals."""
     head = "import os, signal, sys, threading, time\nimport ropewalk.__main__ as line\nline.listen()\n"
