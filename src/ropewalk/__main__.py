@@ -17,10 +17,10 @@ _GARBAGE = 50_000  # objects after which the interpreter looks for cycles: with 
 @lightly()
 def main() -> None:
     """Run the command line; interrupts are heard from the first import on."""
-    listen()
-    gc.set_threshold(_GARBAGE, *gc.get_threshold()[1:])
-    warnings.showwarning = _warn
     try:
+        listen()
+        gc.set_threshold(_GARBAGE, *gc.get_threshold()[1:])
+        warnings.showwarning = _warn
         from ropewalk.cli.app import app
 
         app()

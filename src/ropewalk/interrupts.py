@@ -1,7 +1,8 @@
 """Ctrl-C, SIGTERM and a lost terminal end a command soon, whatever it is at.
 
 Python hears signals between its own instructions only. Kernels are called for portions of their work
-(`mechanics.portions`); the compiler cannot be left halfway, so while it is at work the process ends at once. Where an
+(`mechanics.portions`). Numba and LLVM cannot be left halfway: LLVM calls Python back and drops exceptions, and goes on
+without the machine code that it asked for. The process ends at once while kernels are compiled or loaded. Where an
 exception would be lost (while modules are imported, in destructors) the signal is heard once more a little later.
 """
 
@@ -14,7 +15,8 @@ import socket
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import FrameType
 from typing import Any
 
@@ -31,6 +33,8 @@ class _Heard:
         self.signal = 0
         self.since = 0.0  # s on a clock, when it was heard first
         self.compiling = 0  # compilations under way, one within the other
+        self.loading = 0  # the same for kernels that are taken from the cache
+        self.deferred = 0  # blocks that are completed first, one within the other
         self.again = False  # whether it is to be heard once more
         self.ending = False  # whether the process ends anyhow
         self.kept: Callable[[], str] = str  # what there is to say of a file that has been begun
@@ -49,6 +53,23 @@ def is_interrupted() -> bool:
 def note_compiling(begins: bool) -> None:
     """Say that a compilation begins, or has ended."""
     _heard.compiling += 1 if begins else -1
+
+
+def note_loading(begins: bool) -> None:
+    """Record that a kernel is being loaded from the cache, or has been loaded."""
+    _heard.loading += 1 if begins else -1
+
+
+@contextmanager
+def deferred() -> Iterator[None]:
+    """Complete a short block, such as the start of a process, before a signal is raised as KeyboardInterrupt."""
+    _heard.deferred += 1
+    try:
+        yield
+    finally:
+        _heard.deferred -= 1
+        if _heard.signal and not _heard.deferred:
+            raise KeyboardInterrupt
 
 
 def note_kept(kept: Callable[[], str]) -> None:
@@ -80,19 +101,25 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
         return
     if not _heard.signal:
         _heard.signal, _heard.since = number, time.monotonic()
-    if _heard.compiling:
-        _leave("interrupted while compiling")
-    if not _imports(frame):
+    if _heard.deferred:
+        return
+    if _heard.compiling or _heard.loading:
+        _leave()
+    if not loses_exceptions(frame):
         raise KeyboardInterrupt
     if time.monotonic() > _heard.since + _IMPORTS:
-        _leave("interrupted")
+        _leave()
     _hear_again()
 
 
-def _imports(frame: FrameType | None) -> bool:
-    """Whether modules are being imported; what extension modules make of an exception then is anything."""
+def loses_exceptions(frame: FrameType | None) -> bool:
+    """Return whether an exception raised in this frame may be dropped on its way to the caller.
+
+    LLVM calls Python back and goes on after an exception; extension modules that are being imported replace it.
+    """
     while frame is not None:
-        if frame.f_globals.get("__name__") == "importlib._bootstrap":
+        name = str(frame.f_globals.get("__name__"))
+        if name == "importlib._bootstrap" or name.startswith("llvmlite."):
             return True
         frame = frame.f_back
     return False
@@ -115,8 +142,8 @@ def _hear_again() -> None:
 def _watch(ours: socket.socket, wanted: frozenset[int]) -> None:
     """Wait for signals beside the compiler, which does not let the main thread hear them."""
     while numbers := ours.recv(64):
-        if _heard.compiling and wanted.intersection(numbers):
-            _leave("interrupted while compiling")
+        if (_heard.compiling or _heard.loading) and wanted.intersection(numbers):
+            _leave()
         if _heard.again:
             _heard.again = False
             time.sleep(_AGAIN)
@@ -131,9 +158,10 @@ def _send(number: int) -> None:
         _thread.interrupt_main(signal.Signals(number))
 
 
-def _leave(message: str) -> None:
+def _leave() -> None:
     if not _heard.leaving.acquire(blocking=False):
         time.sleep(1.0)  # the other thread is about to end us
         return
+    message = "interrupted while compiling" if _heard.compiling else "interrupted"
     os.write(sys.__stderr__.fileno() if sys.__stderr__ is not None else 2, f"{message}{_heard.kept()}\n".encode())
     os._exit(EXIT_CODE)

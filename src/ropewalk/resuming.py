@@ -22,7 +22,7 @@ from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.run import Dynamic, every_of
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.contract import CONVENTIONS, LACKING
-from ropewalk.results.files import ResultError
+from ropewalk.results.files import ResultError, open_result
 from ropewalk.results.frame import Array, RunInfo
 from ropewalk.results.past import Past
 from ropewalk.results.slots import digests
@@ -74,8 +74,15 @@ class Remainder:
         """The instant of the last frame that need not be computed again, s."""
         return float(self.times[max(self.past.count - 1, 0)])
 
-    def run(self, progress: Callable[[float], None] | None = None) -> xr.Dataset:
-        """Compute it."""
+    def run(
+        self, progress: Callable[[float], None] | None = None, opened: Callable[[Path], xr.Dataset] = open_result
+    ) -> xr.Dataset:
+        """Compute it.
+
+        Args:
+            progress: called with the part that is done.
+            opened: what opens the file at the end.
+        """
         from ropewalk.results.recorder import Recorder
 
         past, run_info = self.past, RunInfo()
@@ -86,7 +93,7 @@ class Remainder:
             run = run_of(self.scenario, run_info, self.times, past.checkpoint["run"])
         except (CheckpointError, TypeError, ValueError, LookupError, AttributeError) as problem:
             raise ResultError(f"{past.path}: its checkpoint does not fit its scenario ({problem})") from problem
-        with Recorder(run.layout, self.scenario, run_info, past.path, run=run, past=past) as recorder:
+        with Recorder(run.layout, self.scenario, run_info, past.path, run=run, past=past, opened=opened) as recorder:
             return record(run, recorder, run_info, watch, progress)
 
 

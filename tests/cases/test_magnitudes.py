@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from time import process_time
 from typing import Any
 
 import pytest
@@ -17,6 +18,7 @@ from ropewalk.errors import ScenarioError
 from ropewalk.model import Scenario
 from ropewalk.model.magnitudes import check_steps, not_computable
 from ropewalk.scenario import load
+from ropewalk.system.assembling.membranes import sheet_of
 
 HERE = Path(__file__).parent
 REFUSED = {
@@ -106,6 +108,33 @@ def test_a_mesh_of_millions_is_not_built_by_check() -> None:
     assert MOST_NODES < 10_000_000
 
 
+NET: dict[str, Any] = {"kind": "membrane", "stiffness": 1e5, "mass": 0.3, "tension": 500.0}
+LAID_OUT: dict[str, dict[str, Any]] = {
+    "parallelogram": {"corner": [0, 0, 0], "sides": [[4, 0, 0], [1, 3, 0]], "cells": [8, 6]},
+    "default cells": {"corner": [0, 0, 0], "sides": [[4, 0, 0], [0, 3, 0]]},
+    "outline": {"boundary": [[0, 0, 0], [9, 0, 0], [9, 6, 0], [4, 3, 0], [0, 6, 0]], "spacing": 0.3},
+}
+
+
+@pytest.mark.parametrize("layout", LAID_OUT.values(), ids=LAID_OUT)
+def test_nodes_of_a_net_are_counted_before_it_is_meshed(layout: dict[str, Any]) -> None:
+    net = Scenario.model_validate({"nets": {"n": NET | layout}, "run": {"kind": "equilibrium"}}).nets["n"]
+    vertices = len(sheet_of("n", net).surface.plan)
+    assert net.nodes == (vertices if net.boundary is None else pytest.approx(vertices, rel=0.1))  # of triangles: 7 %
+
+
+@pytest.mark.parametrize("layout", [{"cells": [2000, 2000]}, {"spacing": 1e-4}, {"spacing": 1e-9}])
+def test_nets_of_millions_of_nodes_are_not_meshed_by_check(layout: dict[str, Any]) -> None:
+    """A result of two frames of the smallest is not too large."""
+    place = "parallelogram" if "cells" in layout else "outline"
+    tree = {"nets": {"n": NET | LAID_OUT[place] | layout}, "run": DYNAMIC | {"every": DYNAMIC["until"]}}
+    if "cells" in layout:
+        assert foreseen(Scenario.model_validate(tree))[0].startswith(f"a motion of {2001**2} nodes")
+    else:
+        with pytest.raises(ValueError, match="lower elements or cells of nets"):
+            Scenario.model_validate(tree)
+
+
 def test_check_gives_up_a_beginning_that_takes_long(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     def forever(_: Scenario) -> Any:
         while True:
@@ -134,6 +163,22 @@ def test_a_deadline_is_heard_although_everything_is_caught() -> None:
 
     with pytest.raises(Overdue):
         stubborn()
+
+
+def test_a_deadline_waits_where_llvm_would_drop_its_exception() -> None:
+    """Raised there it was lost, and LLVM went on without machine code, up to a crash."""
+    found: dict[str, Any] = {"__name__": "llvmlite.binding.ffi", "process_time": process_time, "ends": []}
+    exec("def busy(until):\n while process_time() < until: pass\n ends.append(process_time())", found)
+
+    def work() -> None:
+        with deadline(0.05):
+            found["busy"](process_time() + 0.2)
+            while True:
+                pass
+
+    with pytest.raises(Overdue):
+        work()
+    assert found["ends"]
 
 
 def test_numbers_beyond_whole_ones_are_told_in_words() -> None:

@@ -36,6 +36,6 @@ def test_brief_work_says_nothing(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_a_process_that_ends_at_once_names_the_file_that_it_leaves() -> None:
-    script = "from ropewalk import interrupts as i; i.note_kept(lambda: '; kept in a.nc'); i._leave('interrupted')"
+    script = "from ropewalk import interrupts as i; i.note_kept(lambda: '; kept in a.nc'); i._leave()"
     ended = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
     assert (ended.returncode, ended.stderr) == (EXIT_CODE, "interrupted; kept in a.nc\n")

@@ -11,6 +11,10 @@ from fuzzing.reading import READ, REFUSED, checked, outcome
 from ropewalk.cli import console
 
 EACH, CHECKED = 800, 60
+FAILED_IN_CHECK = {  # an original, a value in it, the value that made `check` fail or last, and its outcome today
+    "a step that rounds to 0": ("zip-line-brake.yaml", "500 N*s/m", "1e12 N*s/m", READ),
+    "a membrane of a million vertices": ("base awning", "[4.0, 3.0, 0.0]", "[4.0, 100000, 0.0]", READ),
+}
 WAS_WRONG = {
     "a line from a place to itself, in small motion": """
 gravity: 0
@@ -55,6 +59,16 @@ def test_spoilt_files_are_checked_without_failing(
 @pytest.mark.parametrize("text", WAS_WRONG.values(), ids=WAS_WRONG)
 def test_what_was_wrong_is_refused(text: str) -> None:
     assert outcome(text) == REFUSED
+
+
+@pytest.mark.parametrize(("name", "before", "after", "right"), FAILED_IN_CHECK.values(), ids=FAILED_IN_CHECK)
+def test_absurd_values_are_checked_without_failing(
+    name: str, before: str, after: str, right: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(EXAMPLES)
+    text = dict(originals())[name]
+    assert before in text
+    assert outcome(text.replace(before, after, 1), read=checked) == right
 
 
 def test_what_is_spoilt_is_sound() -> None:

@@ -213,7 +213,8 @@ SQUARE = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
         ([[0, 0], [1, 0], [2, 0]], 0.1, "crosses or touches itself"),  # all in line
         ([[0, 0], [2, 0], [2, 2], [2, 1], [0, 1]], 0.1, "crosses or touches itself"),  # back along itself
         (SQUARE, 1.5, "too large for an outline of 1 m x 1 m"),
-        (SQUARE, 1e-4, "more than 1e\\+06; use a larger spacing"),
+        (SQUARE, 1e-4, "more than 2e\\+05; use a larger spacing"),
+        ([[0, 0], [4, 0], [4, 10_000], [0, 3]], 0.8, "would have 12500 vertices, more than 2000; use a larger spacing"),
         (SQUARE, 0.0, "^the spacing must"),
         (SQUARE, np.inf, "^the spacing must"),
     ],

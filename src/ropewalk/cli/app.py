@@ -6,6 +6,7 @@ input, 3 a run that stopped early, 4 a run that must not be trusted, 130 interru
 
 from __future__ import annotations
 
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -155,7 +156,7 @@ def run(
             begun = None if quiet else foretell(scenario)
             dataset = simulate(
                 scenario, file=target, overwrite=overwrite, progress=progress, begun=begun,
-                opened=open_unless_interrupted,
+                opened=partial(open_unless_interrupted, target),
             )  # fmt: skip
         _close(dataset, target, replaced, displayed, as_json=as_json, quiet=quiet)
 
@@ -195,7 +196,7 @@ def resume(
             if not quiet:
                 say(f"going on from t = {rest.begin:.6g} s")
             with progress_of_run(rest.scenario, quiet) as progress:
-                dataset = rest.run(progress)
+                dataset = rest.run(progress, partial(open_unless_interrupted, result))
         _close(dataset, result, "", displayed, as_json=as_json, quiet=quiet)
 
 

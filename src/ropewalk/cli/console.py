@@ -46,7 +46,6 @@ Report = Callable[..., None]  # a task, the part that is done, and maybe what it
 _READ: ContextVar[tuple[Path, tuple[str, ...]] | None] = ContextVar("read", default=None)  # file and settings
 # Part of the whole from which on what is done tells what is left: before, kernels are still loaded.
 _KNOWN = 0.02
-_BRIEF = 4_000_000  # bytes of a result that is read and summarised in less than 0.1 s
 PATIENCE = 6.0  # s of computing, after which `check` gives up to find how a run begins
 _BETWEEN_LINES = 30.0  # s between lines that tell how far what takes long has come
 TRACEBACK: ContextVar[bool] = ContextVar("traceback", default=False)
@@ -66,17 +65,21 @@ def load_scenario(file: Path, settings: list[str] | None, no_code: bool = False)
     return scenario
 
 
-def open_unless_interrupted(path: Path) -> xr.Dataset:
-    """Open a result that has just been written; after an interrupt a large one is not read back, and the command ends.
+def open_unless_interrupted(target: Path, path: Path) -> xr.Dataset:
+    """Open a result that has just been written; after an interrupt it is not read back, and the command ends.
+
+    A summary may import xarray, which takes a second, or read a file of gigabytes.
 
     Args:
-        path: complete result file.
+        target: result file as the user names it.
+        path: the same, complete.
     """
     from ropewalk.results.arrays import open_arrays
 
-    if is_interrupted() and path.stat().st_size > _BRIEF:
+    if is_interrupted():
         fail(
-            f"interrupted; what was computed is kept in {path}. `ropewalk show {path}` prints its summary.", INTERRUPTED
+            f"interrupted; what was computed is kept in {target}. `ropewalk show {target}` prints its summary.",
+            INTERRUPTED,
         )
     return open_arrays(path)
 

@@ -6,9 +6,11 @@ import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import NoReturn
+from types import FrameType
 
-_AGAIN = 0.5  # s, where the first signal got lost in code that catches everything
+from ropewalk.interrupts import loses_exceptions
+
+_AGAIN = 0.1  # s, where the first signal came within or got lost in code that catches everything
 
 
 class Overdue(BaseException):
@@ -22,8 +24,9 @@ def deadline(seconds: float) -> Iterator[None]:
         yield
         return
 
-    def end(_number: int, _frame: object) -> NoReturn:
-        raise Overdue
+    def end(_number: int, frame: FrameType | None) -> None:
+        if not loses_exceptions(frame):
+            raise Overdue
 
     before = signal.signal(signal.SIGPROF, end)
     signal.setitimer(signal.ITIMER_PROF, seconds, _AGAIN)

@@ -32,6 +32,7 @@ from numba.core.registry import cpu_target
 from numba.core.runtime.nrt import rtsys
 from numpy.typing import NDArray
 
+from ropewalk.interrupts import note_loading
 from ropewalk.mechanics.kernel_parts import rebuilt, reduced
 
 PACKAGE = Path(__file__).parents[1]
@@ -254,9 +255,13 @@ class KernelCache(FunctionCache):
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """A kernel from the cache. What compiles calls for is not read in yet: the compiler does so itself."""
-        rtsys.initialize(target_context)
-        with self._guard_against_spurious_io_errors():
-            return self._load_overload(sig, target_context)
+        note_loading(True)
+        try:
+            rtsys.initialize(target_context)
+            with self._guard_against_spurious_io_errors():
+                return self._load_overload(sig, target_context)
+        finally:
+            note_loading(False)
 
     def _load_overload(self, sig: Any, target_context: Any) -> Any:
         """A kernel from the cache; of one that is there for another processor only, machine code is made."""

@@ -289,11 +289,12 @@ def _size(parts: Parts) -> Iterator[Finding]:
 
 
 def nodes_of(parts: Parts) -> int:
-    """Return the number of nodes and contacts of all lines, about."""
+    """Return the number of nodes and contacts of all lines and nets, about."""
     contacts = sum(
         len(load.starts()) if isinstance(load, Axles | Carriage | Vehicle) else 1 for load in parts.loads.values()
     )
-    nodes = contacts + sum(line.elements + 1 for line in parts.lines.values() if line is not None)
+    nodes = contacts + sum(net.nodes for net in parts.nets.values() if net is not None)
+    nodes += sum(line.elements + 1 for line in parts.lines.values() if line is not None)
     return nodes + sum(int(2.0 * line.length / line.element) for line in parts.overhead.values() if line is not None)
 
 
@@ -318,5 +319,6 @@ def too_large(parts: Parts, most: float, otherwise: str = "") -> Iterator[Findin
         number = f"{frames * nodes:.3g} node positions ({frames:.4g} frames of {nodes} nodes)"
         action = "positions" if isinstance(run, Quasistatic) else "every"
         verb = "lower" if isinstance(run, Quasistatic) else "raise"
-        remedy = f"{otherwise}{verb} run.{action} or lower elements: at most {most:g} are kept"
+        finer = "elements or cells of nets" if parts.nets else "elements"
+        remedy = f"{otherwise}{verb} run.{action} or lower {finer}: at most {most:g} are kept"
         yield Finding(key, f"the result would hold {number}", remedy=remedy)

@@ -31,6 +31,8 @@ Forces = Annotated[float | tuple[float, float] | tuple[float, float, float], One
 PoissonRatio = Annotated[float, Quantity("dimensionless", "not negative")]
 EdgeViscosity = Annotated[float, Quantity("N*s/m^2", "not negative")]
 
+_COARSE = 20  # cells on the shorter side where no number is given
+_MANY = 1e15  # more than can be counted
 _Cells = Annotated[int, Count(1, 2_000)]
 
 
@@ -111,16 +113,32 @@ class Sheet(Declaration):
 
     def _sides(self, sides: tuple[tuple[float, ...], tuple[float, ...]]) -> list[Finding]:
         first, second = (_three(side) for side in sides)
-        a, b = math.hypot(*first), math.hypot(*second)
-        across = math.hypot(
-            first[1] * second[2] - first[2] * second[1],
-            first[2] * second[0] - first[0] * second[2],
-            first[0] * second[1] - first[1] * second[0],
-        )
+        a, b, across = math.hypot(*first), math.hypot(*second), math.hypot(*_cross(first, second))
         if across <= 1e-6 * a * b or a * b == 0.0:
             remedy = "give two vectors in different directions, for example [[4, 0, 0], [0, 3, 0]]"
             return [Finding(("sides",), "the sides span no area", remedy=remedy)]
         return []
+
+    @property
+    def divisions(self) -> tuple[int, int]:
+        """Number of cells of a parallelogram along both sides."""
+        if self.cells is not None:
+            return self.cells
+        assert self.sides is not None
+        a, b = (math.hypot(*side) for side in self.sides)
+        return round(min(_COARSE * max(1.0, a / b), _MANY)), round(min(_COARSE * max(1.0, b / a), _MANY))
+
+    @property
+    def nodes(self) -> int:
+        """Number of nodes; of an outline about that, by its area and its length."""
+        if self.boundary is None or self.spacing is None:
+            m, n = self.divisions
+            return (m + 1) * (n + 1)
+        corners = [_three(corner) for corner in self.boundary]
+        pairs = list(zip(corners, corners[1:] + corners[:1], strict=True))
+        area = 0.5 * math.hypot(*map(sum, zip(*(_cross(*pair) for pair in pairs), strict=True)))
+        length = sum(math.dist(*pair) for pair in pairs)
+        return int(min((area / self.spacing + length) / self.spacing, _MANY))
 
     def vectors(self) -> Iterator[tuple[float, ...]]:
         """List all places and directions that it is given by; a net is never in the x-z plane alone."""
@@ -199,6 +217,10 @@ def _tension_or_slack(tension: object, slack: float | None) -> list[Finding]:
         wrong, remedy = "the unstrained size over that as laid out", "write for example 1.02 for 2 % more than needed"
         findings.append(Finding(("slack",), wrong, f"{slack:g}", remedy))
     return findings
+
+
+def _cross(a: tuple[float, ...], b: tuple[float, ...]) -> tuple[float, float, float]:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 def _three(vector: tuple[float, ...]) -> tuple[float, float, float]:

@@ -19,6 +19,7 @@ from itertools import islice
 from typing import Any, TypeVar
 
 from ropewalk.errors import RopewalkError
+from ropewalk.interrupts import deferred
 
 DIED = (
     "the process that computed it died: killed from outside, out of memory, or a crash of compiled code; "
@@ -121,7 +122,8 @@ def _pool(size: int) -> Iterator[ProcessPoolExecutor]:
         before = {process.pid for process in multiprocessing.active_children()}
         with _environment(dict.fromkeys(_THREADS, "1")):
             context = multiprocessing.get_context("spawn")
-            pool = ProcessPoolExecutor(size, mp_context=context, initializer=_begin)
+            with deferred():
+                pool = ProcessPoolExecutor(size, mp_context=context, initializer=_begin)
             try:
                 try:
                     _submit(pool, os.getpid).result()
@@ -146,13 +148,14 @@ def _pool(size: int) -> Iterator[ProcessPoolExecutor]:
 
 def _submit(pool: ProcessPoolExecutor, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
     """Hand in a task; a process that this starts never sees the Ctrl-C that is meant for us."""
-    if not hasattr(signal, "pthread_sigmask"):
-        return pool.submit(function, *arguments)
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        return pool.submit(function, *arguments)
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+    with deferred():  # or what it reads first is not there
+        if not hasattr(signal, "pthread_sigmask"):
+            return pool.submit(function, *arguments)
+        mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            return pool.submit(function, *arguments)
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
 def _begin() -> None:

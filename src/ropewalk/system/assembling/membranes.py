@@ -13,7 +13,6 @@ from ropewalk.model.net import AnyNet, CableEdge, ClampedEdge, Net, SoftEdge
 from ropewalk.system.assembling.surface import Surface, locate, polygon, rectangle
 from ropewalk.system.elements.cells import SHEET, THREADS
 
-COARSE = 20  # cells on the shorter side where no number is given
 _SPARE = 1e-4  # what is laid out without tension begins as if it were longer by this share, as nothing holds it flat
 
 
@@ -106,22 +105,13 @@ def sheet_of(name: str, net: AnyNet) -> MembraneMesh:
     return MembraneMesh(name, net, surface, origin, axes, skew, scale, membrane_elements, density, corners)
 
 
-def _cells(net: AnyNet) -> tuple[int, int]:
-    assert net.sides is not None
-    if net.cells is not None:
-        return net.cells
-    a, b = (float(np.linalg.norm(spatial(side))) for side in net.sides)
-    size = min(a, b) / COARSE
-    return max(1, round(a / size)), max(1, round(b / size))
-
-
 def _mesh(net: Net) -> Array:
     """Distance of the threads that run along u, and of those along v, as laid out, m."""
     if net.mesh is not None:
         return np.full(2, net.mesh)
     assert net.sides is not None
     a, b = (float(np.linalg.norm(spatial(side))) for side in net.sides)
-    m, n = _cells(net)
+    m, n = net.divisions
     return np.array([b / n, a / m])
 
 
@@ -134,7 +124,7 @@ def _parallelogram(net: AnyNet) -> tuple[Surface, Array, Array, Array, Integers]
     across = second - (second @ along) * along
     across /= np.linalg.norm(across)
     skew = np.array([[1.0, second @ along / b], [0.0, second @ across / b]])
-    m, n = _cells(net)
+    m, n = net.divisions
     flat = rectangle((a, b), (m, n))
     surface = Surface(flat.plan @ skew.T, flat.triangle, flat.across, flat.rim)
     corners = np.array([0, m, (m + 1) * (n + 1) - 1, (m + 1) * n])

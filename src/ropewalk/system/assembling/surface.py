@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from ropewalk.mechanics.chain import Array, Integers
 
 _MOST = 1_000_000  # vertices
+_MOST_INSIDE, _MOST_ON_SIDE = 200_000, 2_000  # of an outline: its division takes up to 10 s, with the square of a side
 _CLEARANCE = 0.6  # spacings between inner vertices and the outline: between 0.5, thin at the rim, and 0.87, the grid's
 _ON_EDGE = 1e-12  # barycentric coordinate that still counts as inside
 _THIN = 1.0 / (2.0 * np.sin(np.radians(26.0)))  # radius of the circumcircle by the shortest edge
@@ -90,8 +91,13 @@ def polygon(points: ArrayLike, spacing: float) -> Surface:
     extent = np.ptp(corners, axis=0)
     lengths = np.hypot(*(np.roll(corners, -1, axis=0) - corners).T)
     expected = extent.prod() / spacing**2 + lengths.sum() / spacing
-    _check_number(expected, "use a larger spacing")
+    _check_number(expected, "use a larger spacing", _MOST_INSIDE)
     segments = np.maximum(np.ceil(lengths / spacing - 1e-9), 1.0).astype(np.int64)
+    if segments.max() > _MOST_ON_SIDE:
+        raise ValueError(
+            f"a side of {lengths.max():g} m would have {segments.max()} vertices, more than {_MOST_ON_SIDE}; "
+            "use a larger spacing"
+        )
     straight, rim = _subdivided(corners, segments, 0.0), _subdivided(corners, segments, _BULGE)
     inner = _grid(corners, rim, spacing)
     if not len(inner):
@@ -167,9 +173,9 @@ def _double_areas(plan: Array, triangle: Integers) -> Array:
     return _cross(b - a, c - a)
 
 
-def _check_number(vertices: float, remedy: str) -> None:
-    if vertices > _MOST:
-        raise ValueError(f"this would make about {vertices:.2g} vertices, more than {_MOST:.0e}; {remedy}")
+def _check_number(vertices: float, remedy: str, most: int = _MOST) -> None:
+    if vertices > most:
+        raise ValueError(f"this would make about {vertices:.2g} vertices, more than {most:.0e}; {remedy}")
 
 
 def _checked_outline(points: ArrayLike) -> Array:

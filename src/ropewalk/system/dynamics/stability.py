@@ -183,7 +183,7 @@ def _of_bodies(contacts: Any, bodies: BodyArrays) -> list[float]:
             math.sqrt(stiffer * float(tether["stiffness"]) * mobility),
             0.5 * float(tether["damping"]) * mobility,
         )
-        steps.append(2.0 / pulled * (math.hypot(1.0, taken / pulled) - taken / pulled))
+        steps.append(2.0 / (math.hypot(pulled, taken) + taken))
     return steps
 
 
@@ -299,7 +299,7 @@ def _stable(square: float, rate: float) -> float:
     if square == 0.0:
         return np.inf if rate == 0.0 else 2.0 / rate
     zeta = 0.5 * rate / math.sqrt(square)
-    return 2.0 / math.sqrt(square) * (math.hypot(1.0, zeta) - zeta)
+    return 2.0 / math.sqrt(square) / (math.hypot(1.0, zeta) + zeta)  # sqrt(1 + zeta^2) - zeta rounds to 0
 
 
 def of_cells(structure: Structure) -> tuple[Array, Array]:
