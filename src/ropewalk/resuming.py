@@ -139,7 +139,7 @@ def _checked(past: Past) -> Scenario:
     if version != ropewalk.__version__:
         raise ResultError(f"{path}: was written by ropewalk {version}, this is {ropewalk.__version__}; run it again")
     if metadata.get("scenario_sha256") != hashlib.sha256(text.encode()).hexdigest():
-        raise ResultError(f"{path}: its scenario is not what was run (its digest is another); run it again")
+        raise ResultError(f"{path}: its scenario was changed after the run (digests differ); run it again")
     if (named := _named_only(tree)) is not None:
         raise ResultError(f"{path}: {named} is a function or an object of Python, which no file holds; run it again")
     outcome = metadata.get("outcome")
@@ -147,7 +147,7 @@ def _checked(past: Past) -> Scenario:
         raise ResultError(f"{path}: the run stopped by itself ({outcome}), it cannot be resumed")
     if past.checkpoint is None:
         why = f": {metadata[LACKING]}" if LACKING in metadata else "; run it again"
-        raise ResultError(f"{path}: has no checkpoint to go on from{why}")
+        raise ResultError(f"{path}: has no checkpoint to continue from{why}")
     try:
         scenario = loads(text, f"{path}.json")
     except ScenarioError as problem:

@@ -164,7 +164,7 @@ def _keep_apart(scenario: Scenario, file: Path) -> None:
         return
     if Path(run.start.file).exists() and file.samefile(run.start.file):
         remedy = "write the new result elsewhere (-o), or start from a copy"
-        raise ScenarioError([Problem("run.start.file", "is the file that the result goes to", str(file), remedy)])
+        raise ScenarioError([Problem("run.start.file", "is also the output file", str(file), remedy)])
 
 
 def _keep_small(scenario: Scenario) -> None:
@@ -321,7 +321,7 @@ def _linear(scenario: Scenario, run: Linear, run_info: RunInfo) -> Run:
     from ropewalk.solve.start import setting_of
 
     setting = setting_of(scenario, run.until)
-    run_info.method, run_info.reason = "linear theory", "as asked: superposition of small deflections about the chord"
+    run_info.method, run_info.reason = "linear theory", "requested: superposition of small deflections about the chord"
     run_info.audit = "the linear theory superposes deflections and keeps no energies"
     return Known(layout_of(setting), frames(setting, scenario, times, run_info), times.size)
 
@@ -351,7 +351,7 @@ def _check_instant(scenario: Scenario, at: float) -> Dynamic:
     """
     run = scenario.run
     if not isinstance(run, Dynamic):
-        wrong, remedy = f"a run of kind {run.kind} has no instants", "leave the time out"
+        wrong, remedy = f"a run of kind {run.kind} has no time axis", "leave the time out"
         raise ScenarioError([Problem("at", wrong, f"{at:g} s", remedy)])
     if not 0.0 <= at <= run.until:
         remedy = f"give a time from 0 s to run.until, {run.until:g} s"

@@ -130,7 +130,7 @@ def test_a_run_without_a_beginning_writes_nothing(call, scenario, folder):
 def test_an_error_on_the_way_tells_where_the_partial_result_is(call, scenario):
     out = call("run", scenario("impossible"))
     assert out.exit_code == 3
-    assert "Newton found no rest shape\nwhat was computed is kept in rope.nc" in out.stderr
+    assert "Newton found no rest shape\nthe computed part is kept in rope.nc" in out.stderr
 
 
 def test_a_fault_is_owned_up_to_in_a_few_words(call, scenario):

@@ -21,7 +21,7 @@ def test_ctrl_c_keeps_the_partial_result(start, scenario, folder):
         stdout, stderr = run.communicate(timeout=120)
     assert run.returncode == 130
     assert "slow: interrupted" in stdout
-    assert "interrupted; what was computed is kept in rope.nc" in stderr
+    assert "interrupted; the computed part is kept in rope.nc" in stderr
     result = open_result(folder / "rope.nc")
     assert result.attrs["outcome"] == "interrupted"
     assert 10 <= result.sizes["time"] < 61

@@ -129,7 +129,7 @@ def test_an_unstable_step_ends_with_a_partial_result_and_advice(geometry: str, s
     arguments = ["run", str(EXAMPLE), "-o", str(target), "-q", *(part for s in settings for part in ("--set", s))]
     outcome = CliRunner().invoke(app, arguments)
     assert outcome.exit_code == 3
-    assert "the run stopped early: diverged; what was computed is kept in" in outcome.stderr
+    assert "the run stopped early: diverged; the computed part is kept in" in outcome.stderr
     assert f"its step of {float(step[:-3]) / 1e3:g} s is larger than the stable one of 0.001" in outcome.stderr
     assert "write a smaller run.step, or leave it out" in outcome.stderr
     with open_result(target) as result:

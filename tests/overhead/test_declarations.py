@@ -139,7 +139,7 @@ def without(*keys: str, **more: Any) -> dict[str, Any]:
 
 PANTOGRAPHS: list[tuple[dict[str, Any], str, str]] = [
     (PANTOGRAPH | {"model": "en50318"}, "model", "did you mean en50318-2002?"),
-    (PANTOGRAPH | {"model": "dsa"}, "model", "known here: en50318-2002, simple-ac"),
+    (PANTOGRAPH | {"model": "dsa"}, "model", "choose from: en50318-2002, simple-ac"),
     (PANTOGRAPH | {"masses": [1, 2]}, "masses", "the published pantograph en50318-2002 has its own"),
     (
         without("masses", "stiffness", "damping"),

@@ -212,7 +212,7 @@ def test_without_a_whole_checkpoint_it_is_told_in_one_line(tmp_path):
     for slot in (0, 1):
         spoilt(file, slot)
     attribute(file)
-    with pytest.raises(ResultError, match=r"^.*out.nc: has no checkpoint to go on from; run it again$"):
+    with pytest.raises(ResultError, match=r"^.*out.nc: has no checkpoint to continue from; run it again$"):
         ropewalk.resume(file, 1.0)
 
 
@@ -369,7 +369,7 @@ def test_the_command_goes_on_and_ends_as_run_does(tmp_path, monkeypatch):
     out = call(["resume", "out.nc"])
     assert out.exit_code == 0, out.output
     assert "largest tension" in out.stdout
-    assert out.stderr.startswith("going on from t = ")
+    assert out.stderr.startswith("continuing from t = ")
     assert out.stderr.endswith("result in out.nc\n")
     out = call(["resume", "out.nc", "--until", "400 ms", "--json"])
     assert (out.exit_code, json.loads(out.stdout)["outcome"]) == (0, "completed")

@@ -123,7 +123,7 @@ def test_a_motion_is_not_written_over_what_it_starts_from_by_another_name(tmp_pa
     file, other = tmp_path / "s.nc", tmp_path / "t.nc"
     simulate(still(), file=file)
     os.link(file, other)
-    with pytest.raises(ScenarioError, match="is the file that the result goes to"):
+    with pytest.raises(ScenarioError, match="is also the output file"):
         simulate(still(start=str(file)), file=other)
 
 

@@ -128,7 +128,7 @@ def test_a_scenario_that_names_files_elsewhere_is_refused(page: Page) -> None:
 def test_a_scenario_that_runs_code_is_refused(page: Page, folder: Path) -> None:
     for do in ("check", "prepare", "run"):
         problems = page.ask(do, text=CODE, name="code.yaml")["problems"]
-        assert [p["wrong"] for p in problems] == ["is code of somebody, which the studio does not run"]
+        assert [p["wrong"] for p in problems] == ["is external code, which the studio does not run"]
     assert not (folder / "ran").exists()
 
 
@@ -229,7 +229,7 @@ def test_a_sweep_takes_the_processes_that_it_may(tmp_path: Path, monkeypatch: py
         ("run.start: ['{kind: result, file: ../other.nc}']", "lies outside of the folder of the studio"),
         ("run.start: [{kind: result, file: ../other.nc}]", "lies outside of the folder of the studio"),
         ("loads.walker: [{kind: stepper, model: 'evil.py:Evil', on: rope, every: 1 ms}]",
-         "is code of somebody, which the studio does not run"),
+         "is external code, which the studio does not run"),
         ("lines.rope.elements: [50, 60000]", "is too much here"),
     ],
 )  # fmt: skip

@@ -76,7 +76,7 @@ def open_unless_interrupted(path: Path) -> xr.Dataset:
 
     if is_interrupted() and path.stat().st_size > _BRIEF:
         fail(
-            f"interrupted; what was computed is kept in {path}. `ropewalk show {path}` prints its summary.", INTERRUPTED
+            f"interrupted; the computed part is kept in {path}. `ropewalk show {path}` prints its summary.", INTERRUPTED
         )
     return open_arrays(path)
 
@@ -88,11 +88,11 @@ def finish(found: dict[str, Any], target: Path) -> None:
         return
     advice = f"\n{found['advice']}" if found["advice"] else ""
     if outcome == "interrupted":
-        fail(f"interrupted; what was computed is kept in {target}{advice}", INTERRUPTED)
+        fail(f"interrupted; the computed part is kept in {target}{advice}", INTERRUPTED)
     if outcome == "doubtful":
         report = "\n".join(found["doubts"])
-        fail(f"the run went through, but must not be trusted; it is kept in {target}\n{report}", DOUBTFUL)
-    fail(f"the run stopped early: {outcome}; what was computed is kept in {target}{advice}", STOPPED_EARLY)
+        fail(f"the run finished, but its results are unreliable; they are kept in {target}\n{report}", DOUBTFUL)
+    fail(f"the run stopped early: {outcome}; the computed part is kept in {target}{advice}", STOPPED_EARLY)
 
 
 def display_units(text: str) -> DisplayUnits:
@@ -236,7 +236,7 @@ def progress_of_run(scenario: Scenario, quiet: bool) -> Iterator[Progress | None
     from ropewalk.simulate import must_compile
 
     if not quiet and (how_long := must_compile(scenario)):
-        say(f"compiling, once for each kind of structure ({how_long} on a quiet machine)")
+        say(f"compiling the kernels for this type of structure, once ({how_long} on a quiet machine)")
     with progress_of_many(quiet) as report:
         if report is None:
             yield None
@@ -315,7 +315,7 @@ def foreseen(file: Path, scenario: Scenario) -> tuple[str, list[str]]:
     except Overdue:
         return f"how its run begins was not found within {PATIENCE:g} s of computing, and is not looked for here", []
     except RopewalkError as problem:
-        fail(f"{file}: no mistake was found, but its run would not begin: {problem}", STOPPED_EARLY)
+        fail(f"{file}: the file has no mistake, but its run would not start: {problem}", STOPPED_EARLY)
         raise
 
 
@@ -339,7 +339,7 @@ def now_called(new: str) -> Callable[[CallbackParam, Any], Any]:
 
     def used(option: CallbackParam, value: Any) -> Any:
         if value:
-            say(f"{option.opts[0]} is called {new} now; the old name goes with the next release")
+            say(f"{option.opts[0]} was renamed to {new}; the old name will be removed in the next release")
         return value
 
     return used
@@ -352,7 +352,7 @@ def reported(target: Path | None = None) -> Iterator[None]:
     _READ.set(None)  # of a command before, in the same process
 
     def kept() -> str:
-        return f"; what was computed is kept in {target}" if _stamp(target) != before else ""
+        return f"; the computed part is kept in {target}" if _stamp(target) != before else ""
 
     note_kept(kept)
     try:
@@ -392,13 +392,13 @@ def _explain(problem: Exception, partial: Path | None) -> None:
         problem = placed(problem, *read)
     if not isinstance(problem, RopewalkError):
         if is_interrupted():  # what libraries make of it
-            fail("interrupted" + (f"; what was computed is kept in {partial}" if partial else ""), INTERRUPTED)
+            fail("interrupted" + (f"; the computed part is kept in {partial}" if partial else ""), INTERRUPTED)
         kind = type(problem).__name__
         say(f"ropewalk failed ({kind}: {problem}); this is a fault of ropewalk, not of your input")
-        fail("please report it with what `ropewalk --traceback ...` says on the same command", FAULT)
+        fail("please report it with the output of `ropewalk --traceback ...` for the same command", FAULT)
     say(str(problem))
     if isinstance(problem, ScenarioError) or (isinstance(problem, ResultError) and not isinstance(problem, WriteError)):
         raise typer.Exit(BAD_INPUT)
     if partial is not None:
-        say(f"what was computed is kept in {partial}")
+        say(f"the computed part is kept in {partial}")
     raise typer.Exit(STOPPED_EARLY)
