@@ -220,7 +220,7 @@ def test_a_vehicle_that_begins_before_the_line_is_one_whose_places_are_behind() 
 
 MISTAKES = {
     "both": ("loads.train.order=[coach]", "loads.train.order", "train ICE 3 has its own vehicles"),
-    "neither": ("loads.train.train=null", "loads.train.vehicles", "is missing, without train it needs them"),
+    "neither": ("loads.train.train=null", "loads.train.vehicles", "is required without train"),
     "order": (ARTICULATED.replace("2 coach", "2 coahc"), "loads.train.order.0", "no such vehicle"),
     "many": (ARTICULATED.replace("2 coach", "300 coach"), "loads.train.order", "has 301 vehicles"),
     "last": (

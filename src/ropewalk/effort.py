@@ -121,7 +121,7 @@ def _prepared(scenario: Scenario) -> tuple[str, list[str]]:
         if engine_of(scenario) is not SUPERPOSED or not any(load.kind in _BODIES for load in scenario.loads.values()):
             return "closed-form or modal solution, no time steps", []
         return "modal superposition; steps of the bodies are halved until the results converge", [
-            "bodies on modes of a structure take 10 to 100 times as long as steps of the whole motion; to wait less, "
+            "bodies on modes of a structure take 10 to 100 times as long as direct integration; for a shorter run, "
             "write run: {kind: dynamic, geometry: linearised}"
         ]
     if not isinstance(run, Dynamic):
@@ -142,7 +142,7 @@ def _prepared(scenario: Scenario) -> tuple[str, list[str]]:
     effort, warnings = effort_of(scenario, ready, run_info), list(run_info.warnings)
     if effort is None or not isinstance(ready, TimeHistory):
         return "a motion", warnings
-    return f"a motion: {_piloted(effort, ready, run_info)}", warnings
+    return f"dynamic: {_piloted(effort, ready, run_info)}", warnings
 
 
 def _piloted(effort: Effort, run: TimeHistory, run_info: RunInfo) -> Effort:

@@ -36,7 +36,7 @@ def test_a_kill_leaves_a_result_that_show_understands(start, scenario, folder):
     with start("show", "rope.nc") as show:
         stdout, _ = show.communicate(timeout=120)
     assert show.returncode == 0
-    assert "unfinished (still running, or killed)" in stdout
+    assert "incomplete (still running, or killed)" in stdout
 
 
 def test_stdout_and_stderr_are_separate_and_without_a_bar_when_not_terminals(start, scenario):

@@ -25,9 +25,9 @@ _PATTERNS = {
         "a slack rope has no transverse modes about its chord": r"deflected so far it would be pushed together",
         "a line without bending stiffness turns freely": r"a line without bending stiffness turns freely",
         "small motion is about a straight line, no buckled one": r"a line longer than its chord is a strut",
-        "a train runs along a line, and a net has none": r"a train runs along a line, and a net has none",
+        "a train needs a line, and a net has none": r"a train needs a line, and a net has none",
         "a line of few links has no such mode": r"its nodes cannot show so many half waves",
-        "without gravity nothing hangs": r"without gravity nothing hangs",
+        "without gravity hangers carry no load": r"without gravity hangers carry no load",
         "a net has no axis to whirl about": r"a net has no axis to whirl about",
         "what moves a line everywhere leaves nothing to stand still":
             r"moves (all of a line, not only what is near|its line far from) a load",

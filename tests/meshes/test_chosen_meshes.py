@@ -128,7 +128,7 @@ LINE = "lines: {{rope: {{start: [0, 0], end: [9, 0], length: 10, mass: 1, axial_
 REFUSED = {
     "rests need an accuracy": (LINE.format("auto") + "run: {kind: equilibrium}", "elements: auto needs it"),
     "an accuracy of rest needs auto": (
-        LINE.format("40") + "run: {kind: equilibrium, accuracy: 1 mm}", "goes with elements: auto",
+        LINE.format("40") + "run: {kind: equilibrium, accuracy: 1 mm}", "is for elements: auto",
     ),
     "linear theory": (LINE.format("auto") + "run: {kind: linear, until: 1}", "with all geometry"),
     "elements that four does not divide": (

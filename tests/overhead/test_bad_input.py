@@ -48,7 +48,7 @@ def said(*settings: str) -> str:
         ([f"{LOAD}travel.from=-5 m"], [f"{LOAD}travel.from: must not be negative, given '-5 m'; write 0 m or more"]),
         (
             ["run.until=9 s"],
-            [f"{LOAD}travel.speed: the load passes the end of line at 8.496 s and the run goes on until 9 s",
+            [f"{LOAD}travel.speed: the load passes the end of line at 8.496 s and the run ends at 9 s",
              "write run.until: 8.496 s, change speed or from, or write at_end: leave"],
         ),
         (

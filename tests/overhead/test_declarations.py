@@ -81,7 +81,7 @@ LINES: list[tuple[dict[str, Any], str, str]] = [
     ),
     ({"element": "5 m"}, "element", "the links are too long for the spans, given 5 m; write at most 3.75 m"),
     ({"analysed_spans": [5, 11]}, "analysed_spans", "not spans of this line, given [5, 11]; write the first and the"),
-    ({"analysed_spans": [6, 5]}, "analysed_spans", "the first comes after the last"),
+    ({"analysed_spans": [6, 5]}, "analysed_spans", "the first span is after the last"),
     ({"analysed_spans": 5}, "analysed_spans", "write [first, last], counted from 1"),
     (
         {"droppers": {"at": [5, 62]}},
@@ -114,7 +114,7 @@ LINES: list[tuple[dict[str, Any], str, str]] = [
     (
         {"messenger_supports": {"stiffness": [5e5, 5e5], "along": "swings"}},
         "messenger_supports.along",
-        "what swings has no stiffness along the line, given 500000 N/m; write along: held, or one number",
+        "a messenger with along: swings has no stiffness along the line, given 500000 N/m; write along: held, or one number",
     ),
     ({"messenger_supports": {"stagger": "straight"}}, "messenger_supports.stagger", "give steady_arms a stagger"),
     ({"stitch_wire": {"length": 60}}, "stitch_wire.length", "would overlap, given 60 m; write less than 60 m"),
@@ -149,7 +149,7 @@ PANTOGRAPHS: list[tuple[dict[str, Any], str, str]] = [
     (without("damping"), "damping", "add damping: one value for each mass, from the base to the head"),
     (without(masses=[1], stiffness=[1], damping=[1]), "masses", "must be two or three, given 1 mass"),
     (without(stiffness=[50, 1, 2]), "stiffness", "does not go with the masses, given 3 for 2 masses; give 2 values"),
-    (without(stiffness=[50, 0]), "stiffness.1", "nothing carries the mass"),
+    (without(stiffness=[50, 0]), "stiffness.1", "the mass has no support"),
     (without(masses=[15, 0]), "masses.1", "must be positive"),
     (without("static_force"), "static_force", "nothing presses the pantograph to the wire"),
     (without(mean_force="ac"), "static_force", "mean_force takes its place, given 120"),

@@ -400,7 +400,7 @@ def test_a_report_needs_nothing_else_and_tells_everything(reference):
     sources = re.findall(r'<img [^>]*src="([^"]{0,30})', page)
     assert sources == ["data:image/png;base64,iVBORw0K"[:30]]
     for part in ("Overhead line line", "Pantograph pantograph", "Current collection", "Forces and energy", "Figures",
-                 "Droppers of line", "How it was computed", "Scenario"):  # fmt: skip
+                 "Droppers of line", "Method", "Scenario"):  # fmt: skip
         assert f"<h2>{part}</h2>" in page
     assert page.count("inside ") >= 8
     assert "no certification" in page

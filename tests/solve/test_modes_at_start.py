@@ -109,7 +109,7 @@ lines:
 run: {kind: dynamic, until: 1, start: %s}
 """
 MISTAKES = {
-    "{kind: mode}": "run.start.amplitude: is missing, a start from a mode needs it; add amplitude: the largest "
+    "{kind: mode}": "run.start.amplitude: is required for a start from a mode; add amplitude: the largest "
     "deflection, for example 10 mm",
     "{kind: mode, amplitude: 0}": "run.start.amplitude: must be positive, given 0; write a value above 0 m",
     "{amplitude: 0.1}": "run.start.amplitude: goes with kind: mode only; leave it out, or write kind: mode",

@@ -313,7 +313,7 @@ def foreseen(file: Path, scenario: Scenario) -> tuple[str, list[str]]:
         with progress_of_many(quiet=False) as report, _compiling(report), deadline(PATIENCE):
             return words(scenario)
     except Overdue:
-        return f"how its run begins was not found within {PATIENCE:g} s of computing, and is not looked for here", []
+        return f"the start of the run was not evaluated within {PATIENCE:g} s of computing time; no estimate", []
     except RopewalkError as problem:
         fail(f"{file}: the file has no mistake, but its run would not start: {problem}", STOPPED_EARLY)
         raise

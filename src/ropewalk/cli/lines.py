@@ -14,7 +14,9 @@ from ropewalk.cli.options import Json, ScenarioFile, Settings
 def elasticity(
     file: ScenarioFile,
     force: Annotated[str, typer.Option("--force", help="Upward force on the contact wire.")] = "100 N",
-    span: Annotated[int | None, typer.Option("--span", help="Number of the span, from 1 [default: the first analysed].")] = None,
+    span: Annotated[
+        int | None, typer.Option("--span", help="Number of the span, from 1 [default: the first analysed].")
+    ] = None,
     side_load: Annotated[
         str, typer.Option("--side-load", metavar="N/m", help="Lateral wind force on the contact wire, per length.")
     ] = "0 N/m",

@@ -25,6 +25,4 @@ class Balance(Declaration):
     height: PositiveLength = Field(
         default=1.17, description="of the pendulum with the same frequency as the body over its feet"
     )
-    width: PositiveLength = Field(
-        default=0.0157, description="by which a foot lands further out than what would bring the body to rest above it"
-    )
+    width: PositiveLength = Field(default=0.0157, description="offset of a foot beyond the extrapolated centre of mass")

@@ -26,7 +26,14 @@ class Cut(Declaration):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if self.time is None and self.strength is None:
-            report("cut", [Finding(("time",), "nothing says when", remedy="give time, or strength, or both")])
+            report(
+                "cut",
+                [
+                    Finding(
+                        ("time",), "the instant of the cut is not determined", remedy="give time, or strength, or both"
+                    )
+                ],
+            )
         return self
 
 
@@ -44,4 +51,9 @@ def check_cut(cut: Cut, length: float | None, distance: float, supports: Mapping
         yield Finding(("cut", "at"), wrong, f"{cut.at:g} m", "stay within its length")
     for name, at in supports.items():
         if abs(cut.at - at) <= 1e-9 * (length or distance):
-            yield Finding(("cut", "at"), f"inner support {name} is there", f"{cut.at:g} m", "cut beside it")
+            yield Finding(
+                ("cut", "at"),
+                f"inner support {name} is at the same position",
+                f"{cut.at:g} m",
+                "cut at another position",
+            )

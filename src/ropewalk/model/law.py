@@ -38,7 +38,7 @@ class Polynomial(Declaration):
     @model_validator(mode="after")
     def _pulls(self) -> Self:
         if self.coefficients[0] <= 0.0:
-            wrong = "the first coefficient is the stiffness at rest and must be positive"
+            wrong = "the first coefficient is the stiffness at strain 0 and must be positive"
             given, remedy = f"{self.coefficients[0]:g} N", "write EA first, for example 100 kN"
             report("polynomial", [Finding(("coefficients", 0), wrong, given, remedy)])
         return self

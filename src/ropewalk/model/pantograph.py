@@ -114,12 +114,14 @@ class Pantograph(Declaration):
     stiffness: StiffnessList | None = Field(
         default=None, description="of the spring below each mass; the first stands on the roof and may be 0"
     )
-    damping: ViscosityList | None = Field(default=None, description="of the damper beside each spring")
-    travel: PantographTravel = Field(description="how it advances")
+    damping: ViscosityList | None = Field(default=None, description="of the damper parallel to each spring")
+    travel: PantographTravel = Field(description="motion along the line")
     static_force: PositiveForce | None = Field(
         default=None, description="upwards on the lowest mass (default: that of the published pantograph)"
     )
-    aerodynamic: AirDrag = Field(default=0.0, description="uplift aerodynamic * speed^2, beside the static force")
+    aerodynamic: AirDrag = Field(
+        default=0.0, description="uplift aerodynamic * speed^2, in addition to the static force"
+    )
     aerodynamic_on: Literal["frame", "head"] = Field(default="frame", description="mass on which the uplift acts")
     mean_force: Annotated[float | str, _ForceOrTarget()] | None = Field(
         default=None,
@@ -213,7 +215,7 @@ class Pantograph(Declaration):
             return
         for key in missing:
             remedy = f"add {key}: one value for each mass, from the base to the head"
-            yield Finding((key,), "is missing", remedy=remedy)
+            yield Finding((key,), "is required", remedy=remedy)
         if self.masses is not None and len(self.masses) not in (2, 3):
             count = f"{len(self.masses)} mass{'es' if len(self.masses) > 1 else ''}"
             yield Finding(
@@ -228,7 +230,7 @@ class Pantograph(Declaration):
         for i, stiffness in enumerate(self.stiffness or ()):
             if i and stiffness == 0.0:
                 remedy = "give the spring below this mass a stiffness; only the first, on the roof, may be 0"
-                yield Finding(("stiffness", i), "nothing carries the mass", "0 N/m", remedy)
+                yield Finding(("stiffness", i), "the mass has no support", "0 N/m", remedy)
 
     def _forces(self) -> Iterator[Finding]:
         if self.aerodynamic_on == "head" and not self.aerodynamic:
@@ -241,7 +243,9 @@ class Pantograph(Declaration):
                     yield Finding((key,), "mean_force takes its place", f"{getattr(self, key):g}", remedy)
         elif self.static_force is None and self.model is None:
             remedy = "add static_force, for example 120 N, or mean_force, for example ac"
-            yield Finding(("static_force",), "is missing, nothing presses the pantograph to the wire", remedy=remedy)
+            yield Finding(
+                ("static_force",), "is required: no force presses the pantograph against the wire", remedy=remedy
+            )
         elif self.static_force is None and self.aerodynamic:
             published = PUBLISHED.get(self.model or "")
             if published is not None and isinstance(published.force, str):

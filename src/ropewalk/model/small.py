@@ -36,7 +36,7 @@ def check_small(parts: Parts) -> Iterator[Finding]:
         return
     for name, line in parts.lines.items():
         for key, wrong, given, remedy in _slack(line) if line is not None else ():
-            yield Finding(("lines", name, *key), f"in small motion {wrong}", given, remedy)
+            yield Finding(("lines", name, *key), f"in linearised motion {wrong}", given, remedy)
 
 
 def _slack(line: Line) -> Iterator[_Lack]:
@@ -44,7 +44,7 @@ def _slack(line: Line) -> Iterator[_Lack]:
     supports = [support for _, support in line.ends()]
     if line.distance < SHORTEST:
         remedy = "write run.geometry: nonlinear, or other ends"
-        yield ("end",), "it is about the straight line from start to end, which are one place", "", remedy
+        yield ("end",), "it is about the straight line from start to end, which coincide", "", remedy
         return
     yield from _constant(line)
     if line.length is None or not line.axial_stiffness or not all(isinstance(support, Fixed) for support in supports):
@@ -76,7 +76,7 @@ def _constant(line: Line) -> Iterator[_Lack]:
             yield key, wrong, support.kind, "write run.geometry: nonlinear, or kind: fixed"
         history = getattr(support, "displacement", (0.0, 0.0))
         if len({row[0] for row in rows(history)}) > 1:  # callables are looked at when they are tabulated
-            remedy = "write a table whose x does not change, or geometry: nonlinear"
+            remedy = "write a table with constant x, or geometry: nonlinear"
             yield (*key, "displacement"), f"{constant}, and a support that moves along x changes them", "", remedy
     for name, restrained in line.supports.items():
         for own, wrong, given, remedy in _restrained(line, restrained):

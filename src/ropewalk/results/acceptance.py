@@ -95,7 +95,7 @@ SIMPLE_AC: dict[int, _Ranges] = {
 _NOTES = {
     "F": "ranges [F]: as public secondary sources quote them; the standard itself was not at hand, this is no "
     "certification",
-    "R": "ranges [R]: provisional, recalled and not checked against the standard; this is no certification",
+    "R": "ranges [R]: provisional, not verified against the standard; not a certification",
 }
 
 

@@ -184,7 +184,7 @@ def _force(ax: Axes, history: _LoadHistory, *, alone: bool) -> None:
     found = history.found
     for i, (line, share) in enumerate(history.shares.items()):
         mine: dict[str, Any] = {"color": style.CYCLE[-1 - i], "linewidth": style.THIN}
-        ax.plot(history.station[some], share[some], **mine, label=f"of it on {line}")
+        ax.plot(history.station[some], share[some], **mine, label=f"of these on {line}")
     if math.isfinite(found.mean):
         ends = [found.first, found.last]
         level: dict[str, Any] = {"color": style.BLACK, "linewidth": style.LINE}
@@ -195,7 +195,7 @@ def _force(ax: Axes, history: _LoadHistory, *, alone: bool) -> None:
             ax.plot(ends, [bound] * 2, **level, linestyle=(0, (5, 2)), label=caption or "_mean + 3σ")
         if math.isfinite(found.target):
             target: dict[str, Any] = {"color": style.GREEN, "linewidth": style.LINE, "linestyle": ":"}
-            ax.plot(ends, [found.target] * 2, **target, label=f"asked for: {found.target:.1f} N")
+            ax.plot(ends, [found.target] * 2, **target, label=f"target: {found.target:.1f} N")
     # A spike as a pantograph leaves the line would hide everything else.
     seen = history.force[np.isfinite(history.force)]
     high = float(np.percentile(seen, 99.9)) if seen.size else 1.0

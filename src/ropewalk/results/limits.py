@@ -98,10 +98,10 @@ def judged(limits: Limits, found: ContactStatistics, *, steady: bool, doubtful: 
         limits: as declared.
         found: statistics within the analysed spans.
         steady: whether its speed is constant.
-        doubtful: whether the run must not be trusted.
+        doubtful: whether the results of the run are unreliable.
     """
-    general = "the run must not be trusted" if doubtful else ""
-    general = general or ("" if found.complete else "the analysed spans were not passed from end to end")
+    general = "the results of the run are unreliable" if doubtful else ""
+    general = general or ("" if found.complete else "the pantograph did not pass all analysed spans")
     coarse = "" if found.fastest >= CUTOFF else f"samples are too far apart for {CUTOFF:g} Hz"
     varies = "" if steady else "the speed varies"
     low, high = mean_range(limits.system, found.speed)
@@ -135,4 +135,4 @@ def judged(limits: Limits, found: ContactStatistics, *, steady: bool, doubtful: 
     return Judgement(f"Limits of EN 50367 and EN 50119, {name}", _REMARK, tuple(checks))
 
 
-_REMARK = "limits [R] were recalled and not checked against the standards; this is no certification"
+_REMARK = "limits [R] are not verified against the standards; not a certification"

@@ -111,7 +111,7 @@ class Recorder:
         for name, shape in self._shapes.items():
             given = frames.of[name].shape[1:] if name in frames.of else None
             if given != shape and not (given is None and 0 in shape):
-                raise ValueError(f"frame {self.frames}: {name} has shape {given}, the layout says {shape}")
+                raise ValueError(f"frame {self.frames}: {name} has shape {given}, the layout requires {shape}")
         self._watch.see(frames)
         self._store.extend(frames, self._run_info)
 

@@ -122,7 +122,7 @@ def _warnings(found: Summary) -> Iterator[str]:
     if found["advice"]:
         yield f'<p class="warning">{_text(found["advice"])}</p>'
     for doubt in found["doubts"]:
-        yield f'<p class="doubt">Do not trust this run: {_text(doubt)}</p>'
+        yield f'<p class="doubt">The results are unreliable: {_text(doubt)}</p>'
     for warning in found["warnings"]:
         yield f'<p class="warning">{_text(warning)}</p>'
 
@@ -199,7 +199,7 @@ def _of_pantograph(load: Pantograph) -> Iterator[Cells]:
         yield "head", _head(load.head)
     if load.wanted_mean is not None:
         unit = "" if isinstance(load.wanted_mean, str) else " N"
-        yield "mean force asked for", f"{load.wanted_mean}{unit}"
+        yield "target mean force", f"{load.wanted_mean}{unit}"
     else:
         yield "static force", f"{load.pressed_with:g} N"
         if load.aerodynamic:
@@ -322,7 +322,7 @@ def _of_dropper(label: str, one: dict[str, Any]) -> Cells:
 
 
 def _method(dataset: xr.Dataset, found: Summary, units: DisplayUnits | None) -> Iterator[str]:
-    yield _section("How it was computed")
+    yield _section("Method")
     body = [row for title, block in _blocks(found, units) if title == "Method" for row in block]
     fields = dataset.attrs
     body.append(("version", f"ropewalk {fields.get('ropewalk_version', '')}", ""))

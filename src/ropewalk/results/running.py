@@ -180,7 +180,7 @@ class TimeHistory:
         found = deque(self.frames(), maxlen=1)
         if not found or self.run_info.outcome not in ("running", "completed"):
             outcome, advice = self.run_info.outcome, self.run_info.advice
-            raise RopewalkError(f"the run did not come to t = {self.engine.times[-1]:g} s ({outcome}): {advice}")
+            raise RopewalkError(f"the run did not reach t = {self.engine.times[-1]:g} s ({outcome}): {advice}")
         return found[0]
 
 

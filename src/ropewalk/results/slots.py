@@ -59,7 +59,7 @@ class Slots:
         size = (int(SPARE * len(self._first)) + SPARE_BYTES) // 8 * 8
         for name, length in zip(_DIMENSIONS, (_SLOTS, size), strict=True):
             file.createDimension(name, length)
-        file.createVariable(CHECKPOINT, "i1", _DIMENSIONS).long_name = "what `ropewalk resume` goes on from"
+        file.createVariable(CHECKPOINT, "i1", _DIMENSIONS).long_name = "checkpoint of `ropewalk resume`"
         self.use(file)
 
     def use(self, file: Any) -> None:

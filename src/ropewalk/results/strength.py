@@ -52,9 +52,12 @@ class StrengthWatch:
         for name, (path, xi, pull) in self._first.items():
             what = f"line {name} would break {xi:.4g} m from its start, at {when}{path:.4g} {unit}"
             cause = (
-                f"its tension of {pull:.4g} N exceeds its strength of {self._of[name]:.4g} N; the run goes on unbroken"
+                f"its tension of {pull:.4g} N exceeds its strength of {self._of[name]:.4g} N; the run continues "
+                "with an unbroken line"
             )
-            remedy = f"write more strength or less load, or cut: {{at: {xi:.4g} m, ...}} to compute the failure"
+            remedy = (
+                f"increase the strength, reduce the load, or write cut: {{at: {xi:.4g} m, ...}} to compute the failure"
+            )
             yield Doubt(what, cause, f"lines.{name}.strength", remedy)
 
 

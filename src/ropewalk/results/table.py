@@ -59,7 +59,7 @@ def text(found: Summary, units: DisplayUnits | None = None) -> str:
 def _headline(found: Summary, units: DisplayUnits) -> str:
     outcome = found["outcome"]
     if outcome == "running":
-        outcome = "unfinished (still running, or killed)"
+        outcome = "incomplete (still running, or killed)"
     simulated = found["simulated"]
     unit = units.place if simulated["unit"] == "m" else DisplayUnit(simulated["unit"], 1.0)
     length = f"{number(simulated['value'] / unit.size)} {unit.symbol}"
@@ -232,7 +232,7 @@ def _pantograph_rows(name: str, found: Summary, say: Column) -> Iterator[Row]:
         yield "samples", f"every {say(0.5 / value['fastest'], 's', 3)}", sentence
     target = ""
     if value["target"] is not None:
-        target = f"{number(value['target_ratio'], 3)} of the {say(value['target'], 'N')} asked for"
+        target = f"{number(value['target_ratio'], 3)} of the target {say(value['target'], 'N')}"
     yield "mean contact force Fm", say(value["mean"], "N"), target
     low, high = say(value["deviation_low"], "N", 3), say(value["deviation_high"], "N", 3)
     yield (
@@ -302,7 +302,7 @@ def _overhead_rows(name: str, found: Summary, say: Column) -> Iterator[Row]:
         displayed.append(largest)
     for key in displayed:
         entry = supports[key]
-        note = "" if entry["analysed"] else "  largest of all, beside the analysed spans"
+        note = "" if entry["analysed"] else "  largest of all spans"
         yield f"uplift at {key}", say(entry["uplift"], "m", 3), f"{say.place(entry['station'])}{note}"
     pull, slack, count = found["largest_dropper_force"], found["most_slack"], len(found["droppers"])
     if pull is not None and pull["value"] is not None:
@@ -497,4 +497,4 @@ def _method_rows(method: Summary, say: Column) -> Iterator[Row]:
         wall, compiled = method["wall"]["value"], method["compiling"]["value"] or 0.0
         yield "time taken", say(wall - compiled, "s", 3), timing
         if compiled > 0.0:
-            yield "besides, compiling", say(compiled, "s", 3), "once; from then on kernels are kept"
+            yield "compilation", say(compiled, "s", 3), "once; kernels are then cached"

@@ -232,7 +232,7 @@ def _chosen(dataset: xr.Dataset, every: float | None, at: Sequence[float] | None
     outside = [t for t in wanted if not instants[0] <= t <= instants[-1]]
     if outside:
         reach = f"from {instants[0]:g} to {instants[-1]:g} {unit}"
-        raise ResultError(f"at {outside[0]:g} {unit}: the result goes {reach}")
+        raise ResultError(f"at {outside[0]:g} {unit}: the result covers {reach}")
     if every is not None:
         wanted += list(np.arange(instants[0], instants[-1] * (1.0 + 1e-12), every))
     return sorted({int(np.abs(instants - t).argmin()) for t in wanted})

@@ -42,7 +42,7 @@ def check_target(file: Path) -> Path:
         if target.exists() and not target.is_file():
             raise ResultError(f"{file}: is not an ordinary file; choose another name")
         if target.is_file() and target.stat().st_size and not is_netcdf(target):
-            raise ResultError(f"{file}: exists and is no result; it is left alone, choose another name")
+            raise ResultError(f"{file}: exists and is not a result; it is not overwritten, choose another name")
     except UnicodeEncodeError:
         name = os.fsencode(file).decode("utf-8", "backslashreplace")
         raise ResultError(f"{name}: the name is not UTF-8; choose another one") from None
@@ -74,7 +74,7 @@ def check_own(file: Path, scenario: Scenario) -> None:
             title, text = str(stored.getncattr("title")), str(stored.getncattr("scenario"))
         names = _names(json.loads(text))
     except (ResultError, OSError, RuntimeError, ValueError, AttributeError, TypeError, MemoryError) as problem:
-        raise ResultError(f"{file}: exists, but cannot be read to see whose it is; {remedy}") from problem
+        raise ResultError(f"{file}: exists, but its scenario cannot be read; {remedy}") from problem
     if title == scenario.title or names == _names(scenario.model_dump(include=set(_NAMED))):
         return
     raise ResultError(f"{file}: holds a result of another scenario, {title!r}; {remedy}")
@@ -112,7 +112,7 @@ def alone(path: Path) -> Iterator[None]:
                 who = stream.read(200).strip()
                 stream.close()
                 by = f"by process {who}" if who else "by another process"
-                raise ResultError(f"{path}: is being written {by}; let that end first") from None
+                raise ResultError(f"{path}: is being written {by}; wait until that ends") from None
             except OSError:  # some network folders know no locks
                 break
             with suppress(OSError):
