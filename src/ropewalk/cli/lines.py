@@ -23,7 +23,8 @@ def elasticity(
     settings: Settings = None,
     as_json: Json = False,
 ) -> None:
-    """Elasticity and wave speeds of overhead lines. Also reflection, Doppler factor, amplification and blow-off."""
+    """Elasticity and wave speeds of overhead lines. Also reflection, Doppler factor, amplification and deflection "
+    "in wind."""
     with reported():
         scenario = load_scenario(file, settings)
         if not scenario.overhead_lines:
@@ -71,5 +72,7 @@ def _rows(name: str, found: dict[str, Any]) -> list[tuple[str, ...]]:
     if any(forces):
         rows.append(("lateral force of the steady arms", f"{min(forces):.0f} to {max(forces):.0f} N"))
         for begin, end, share in zip(strip["edges"], strip["edges"][1:], strip["share"], strict=False):
-            rows.append((f"way on the head from {1e3 * begin:.0f} to {1e3 * end:.0f} mm", f"{100 * share:.1f} %"))
+            rows.append(
+                (f"contact on the head between {1e3 * begin:.0f} to {1e3 * end:.0f} mm", f"{100 * share:.1f} %")
+            )
     return rows

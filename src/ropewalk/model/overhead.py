@@ -217,7 +217,8 @@ class OverheadLine(Declaration):
     )
     pre_sag: Sags | None = Field(
         default=None,
-        description="pre-sag of the contact wire, its depth below the supports: at each dropper of a span, one such list "
+        description="pre-sag of the contact wire, its depth below the supports: at each dropper of a span, one such "
+        "list "
         "for each span, or the largest value, in the middle of a parabola through the outer droppers (default: 0)",
     )
     steady_arms: SteadyArms = Field(

@@ -125,8 +125,8 @@ class Pantograph(Declaration):
     aerodynamic_on: Literal["frame", "head"] = Field(default="frame", description="mass on which the uplift acts")
     mean_force: Annotated[float | str, _ForceOrTarget()] | None = Field(
         default=None,
-        description="wanted mean contact force, instead of static and aerodynamic force: a value, or what a standard "
-        f"asks for at its speed: {', '.join(TARGETS)}",
+        description="target mean contact force, instead of static and aerodynamic force: a value, or that of a "
+        f"standard at its speed: {', '.join(TARGETS)}",
     )
     ramp: RampTime = Field(default=0.3, description="time in which all forces on it grow to their full size")
     contact_stiffness: PositiveStiffness = Field(default=50e3, description="of head and contact wire")

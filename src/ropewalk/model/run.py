@@ -148,7 +148,7 @@ class Dynamic(Declaration):
     axial_inertia: Factor = Field(
         default=1.0,
         description="with nonlinear geometry, factor on the mass for motion along the lines (of overhead lines and "
-        "lines with bending stiffness: along x), whose longitudinal waves limit the step: 4 doubles the "
+        "lines with bending stiffness: along x), because longitudinal waves limit the step: 4 doubles the "
         "step, with some error",
     )
 

@@ -130,7 +130,7 @@ class Train(Declaration):
                 path = ("vehicles", one, "springs", spring, "between")
                 if two is None:
                     remedy = f"let another vehicle, with bogies of its own, follow {one}"
-                    yield Finding(path, "the last vehicle has none behind it to rest on", NEXT + end, remedy)
+                    yield Finding(path, "the last vehicle has no vehicle behind it", NEXT + end, remedy)
                 elif end not in self.vehicles[two].bodies:
                     remedy = did_you_mean(end, self.vehicles[two].bodies)
                     yield Finding(path, f"vehicle {two}, which follows {one}, has no such body", NEXT + end, remedy)

@@ -81,7 +81,7 @@ class Process:
             self.kill()
             raise WorkerEnded(f"no answer within {within:g} s; the computation was ended") from None
         except OSError:
-            raise WorkerEnded("the process that computes has ended") from None
+            raise WorkerEnded("the computing process has ended") from None
         finally:
             if future.done():
                 self._waiting.pop(number, None)
@@ -134,7 +134,7 @@ class Process:
     def _fail(self) -> None:
         for future, _ in self._waiting.values():
             if not future.done():
-                why = "the process that computes has ended; was this too much for its memory?"
+                why = "the computing process has ended, possibly for lack of memory"
                 future.set_exception(WorkerEnded(why))
                 future.exception()  # it may be that nobody waits any more
 
@@ -190,7 +190,7 @@ class Pool:
         self._leased = [one for one in self._leased if one.is_alive]
         self._idle = [one for one in self._idle if one.is_alive]
         if not self._idle and len(self._leased) >= self._most:
-            raise RopewalkError(f"{self._most} pages compute already; close one of them")
+            raise RopewalkError(f"{self._most} pages are computing; close one of them")
         found = self._idle.pop() if self._idle else self._made()
         self._leased.append(found)
         return found

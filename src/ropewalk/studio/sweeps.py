@@ -72,7 +72,7 @@ def checked_plan(scenario: Scenario, sweep: Sweep, allow: Callable[[Scenario], N
             check_inside(tree, folder)  # before a file is read to see what is in it
     plan = Plan.of(scenario, sweep)
     if len(plan.rows) > MOST_CASES:
-        remedy = "compute it on the command line"
+        remedy = "run it on the command line"
         raise ScenarioError([Problem("sweep", "has too many cases for a page", str(len(plan.rows)), remedy)])
     for row in plan.rows:
         if row.case is not None:
@@ -95,7 +95,7 @@ def case_of(dataset: xr.Dataset, row: int, allow: Callable[[Scenario], None], fo
     sweep = Sweep(**json.loads(str(dataset.attrs["sweep"])))
     plan = checked_plan(loads(str(dataset.attrs["scenario"]), "the sweep"), sweep, allow, folder)
     if len(plan.rows) != dataset["outcome"].size:
-        raise RopewalkError("this file holds a part of its sweep only; open the whole one")
+        raise RopewalkError("this file contains a part of its sweep; open the complete file")
     if not 0 <= row < len(plan.rows):
         raise RopewalkError(f"case {row}: there is no such case")
     found = plan.rows[row]

@@ -91,13 +91,13 @@ class ComputingProcess:
         except RopewalkError as error:
             found = {"error": str(error)}
         except KeyboardInterrupt:
-            found = {"error": "stopped before there was anything to keep"}
+            found = {"error": "stopped before the first result"}
         except MemoryError:
             found = {"error": "this needs more memory than the studio may take (--memory)"}
         except RecursionError:
             found = {"error": "the blocks are nested too deeply"}
         except LookupError as error:
-            found = {"error": f"not understood: {error} is missing, or there is no such"}
+            found = {"error": f"invalid request: {error} is absent or unknown"}
         except Exception as error:
             found = {"error": f"ropewalk failed ({type(error).__name__}: {error}); this is a fault of ropewalk"}
         self._send(ticket, True, found if isinstance(found, bytes) else {"id": number, **found})
@@ -129,7 +129,9 @@ class ComputingProcess:
         for name, line in scenario.lines.items():
             if isinstance(elements := getattr(line, "elements", None), int) and elements > MOST_NODES:
                 remedy = f"write at most {MOST_NODES}, or run it from the command line"
-                raise ScenarioError([Problem(f"lines.{name}.elements", "is too much here", str(elements), remedy)])
+                raise ScenarioError(
+                    [Problem(f"lines.{name}.elements", "is too large for the studio", str(elements), remedy)]
+                )
 
     def _do_check(self, asked: Answer) -> Answer:
         """Every mistake in a text."""
@@ -167,7 +169,7 @@ class ComputingProcess:
         from ropewalk.studio.streams import DISPLAYED
 
         if self._dragging is None:
-            return {"error": "no scenario has been made ready"}
+            return {"error": "no scenario is loaded"}
         pose = self._dragging.posed(self._asked(asked))
         self._xi = pose.xi
         linear = np.zeros(0) if pose.linear is None else pose.linear
@@ -179,7 +181,7 @@ class ComputingProcess:
     def _do_release(self, asked: Answer) -> Answer:
         """The motion of the load when it is let go where it was dragged to; not written to a file."""
         if self._dragging is None:
-            return {"error": "no scenario has been made ready"}
+            return {"error": "no scenario is loaded"}
         return self._run(asked, self._dragging.released(self._asked(asked), self._xi), None)
 
     def _bound_disk(self) -> None:
@@ -269,7 +271,7 @@ class ComputingProcess:
         stem = Path(str(asked.get("name") or "scenario.yaml")).stem
         file, store = folder.file(f"{stem}.sweep.nc", RESULTS), folder.file(f"{stem}.sweep.jsonl", (".jsonl",))
         if file.exists() and read(file) is None:
-            raise ResultError(f"{file.name}: is there already and is no sweep; it is left alone")
+            raise ResultError(f"{file.name}: exists already and is not a sweep; it is not overwritten")
         self._bound_disk()
         checked_plan(scenario, wished(scenario, None), self._allow, self._folder)
 
