@@ -225,14 +225,14 @@ MISTAKES = {
     "many": (ARTICULATED.replace("2 coach", "300 coach"), "loads.train.order", "has 301 vehicles"),
     "last": (
         ARTICULATED.replace(", bogie], travel", "], travel"), "loads.train.vehicles.coach.springs.behind.between",
-        "none behind it to stand on",
+        "no vehicle behind it",
     ),
     "next": (
         ARTICULATED.replace("next.front", "next.frnt"), "loads.train.vehicles.coach.springs.behind.between",
         "has no such body",
     ),
     "turns": (
-        "loads.train.travel.speed={time: [0, 1], value: [10, -10]}", "loads.train.travel.speed", "does not turn back",
+        "loads.train.travel.speed={time: [0, 1], value: [10, -10]}", "loads.train.travel.speed", "must not change its sign",
     ),
     "gone": ("loads.train.travel.from=50 m", "loads.train.travel.from", "has left deck before it begins"),
 }  # fmt: skip

@@ -107,10 +107,10 @@ def test_a_doubtful_run_is_kept_and_has_an_exit_code_of_its_own(call, scenario, 
     out = call("run", scenario("no force"))
     assert out.exit_code == 4
     assert "doubtful" in out.stdout.splitlines()[0]
-    for word in ("must not be trusted", "rope.nc", "never presses", "loads.walker.force"):
+    for word in ("must not be trusted", "rope.nc", "never exerts a force", "loads.walker.force"):
         assert word in out.stderr
     assert open_result(folder / "rope.nc").attrs["outcome"] == "doubtful"
-    assert "doubt: load walker never presses" in call("show", "rope.nc").stdout
+    assert "doubt: load walker never exerts a force" in call("show", "rope.nc").stdout
 
 
 def test_a_run_without_a_beginning_leaves_the_earlier_result_alone(call, scenario, folder):

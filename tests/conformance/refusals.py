@@ -18,10 +18,10 @@ _PATTERNS = {
         "a mass that follows the arc length is unstable": r"a mass that follows the arc length is unstable",
         "x means nothing on a line that runs along y, too":
             r"horizontal means along x, and the ends of|holds such a contact acts along x, and the ends",
-        "two stiffnesses say nothing of the third direction": r"two values say nothing of the direction y",
-        "without gravity nothing decides how a slack line hangs": r"without gravity the rest shape of a line longer",
+        "two stiffnesses say nothing of the third direction": r"two values do not define the direction y",
+        "without gravity nothing decides how a slack line hangs": r"without gravity the equilibrium of a line longer",
         "an overhead line hangs by its weight": r"an overhead line hangs by its weight",
-        "the key belongs to the other geometry": r"goes with (non)?linear(ised)? geometry only",
+        "the key belongs to the other geometry": r"is for (non)?linear(ised)? geometry only",
         "a slack rope has no transverse modes about its chord": r"deflected so far it would be pushed together",
         "a line without bending stiffness turns freely": r"a line without bending stiffness turns freely",
         "small motion is about a straight line, no buckled one": r"a line longer than its chord is a strut",
@@ -37,11 +37,11 @@ _PATTERNS = {
         "there are no loads to begin at rest with": r"run\.start\.with_loads: there are no loads",
         "two things set the tension": r"does not come to rest with its tension|both set its tension",
         "ropes that stretch differently are not at one place where so much of each is behind":
-            r"lines that stretch differently are not at one place",
+            r"lines that stretch differently do not have one x",
         "a crab begins within all of its lines": r"it would begin at x = .*, and .* runs from",
         "a driver acts along one line": r"a driver acts along one line",
         "what several lines carry leaves none of them, nor stays at the end of one":
-            r"all of its lines carry it, and end at different|what moves it would draw it on, over the ends",
+            r"all of its lines carry it, and end at different|its drive would pull it over the ends",
         "a carriage rolls along a rope": r"a carriage rolls along a rope",
         "in small motion a line sticks where it would slip": r"a line (sticks|slips) [^;]* in small motion",
         "where loading turns into unloading, hysteresis has two stiffnesses":

@@ -130,14 +130,14 @@ REFUSED = {
     "an accuracy of rest needs auto": (
         LINE.format("40") + "run: {kind: equilibrium, accuracy: 1 mm}", "is for elements: auto",
     ),
-    "linear theory": (LINE.format("auto") + "run: {kind: linear, until: 1}", "with all geometry"),
+    "linear theory": (LINE.format("auto") + "run: {kind: linear, until: 1}", "geometrically nonlinear"),
     "elements that four does not divide": (
         LINE.format("50") + "run: {kind: equilibrium, mesh_error: true}", "write 48 or 52",
     ),
     "turns": (
         LINE.format("40") + "loads: {a: {kind: force, on: rope, force: [0, -1], travel: {speed: 1}}}\n"
         "run: {kind: quasistatic, turn: 5 deg, mesh_error: true}",
-        "depend on the mesh",
+        "mesh-dependent",
     ),
     "results to start from": (
         LINE.format("40") + "run: {kind: dynamic, until: 1, start: {kind: result, file: a.nc}, mesh_error: true}",
@@ -156,7 +156,7 @@ REFUSED = {
     "threads that are the cells": (
         "nets: {n: {kind: net, corner: [0, 0, 0], sides: [[1, 0, 0], [0, 1, 0]], cells: [8, 8], mass: 1,"
         " axial_stiffness: 10}}\nrun: {kind: equilibrium, mesh_error: true}",
-        "there are no finer ones",
+        "cannot be refined",
     ),
 }  # fmt: skip
 

@@ -102,7 +102,7 @@ LINES: list[tuple[dict[str, Any], str, str]] = [
     (
         {"droppers": {"at": AT, "lengths": [1] * 9}, "pre_sag": 0.01},
         "pre_sag",
-        "give the lengths or the wanted sag",
+        "write the lengths or pre_sag",
     ),
     ({"pre_sag": [0, 0.1, 0]}, "pre_sag", "given 3 values for the 9 droppers of span 1; give 9 values"),
     ({"pre_sag": "-3 cm"}, "pre_sag", "must not be negative"),
@@ -151,7 +151,7 @@ PANTOGRAPHS: list[tuple[dict[str, Any], str, str]] = [
     (without(stiffness=[50, 1, 2]), "stiffness", "does not go with the masses, given 3 for 2 masses; give 2 values"),
     (without(stiffness=[50, 0]), "stiffness.1", "the mass has no support"),
     (without(masses=[15, 0]), "masses.1", "must be positive"),
-    (without("static_force"), "static_force", "nothing presses the pantograph to the wire"),
+    (without("static_force"), "static_force", "no force presses the pantograph against the wire"),
     (without(mean_force="ac"), "static_force", "mean_force takes its place, given 120"),
     (without("static_force", mean_force="AC"), "mean_force", "did you mean ac?"),
     (without("static_force", mean_force="150 kg"), "mean_force", "150 kg"),

@@ -276,8 +276,8 @@ def test_a_pantograph_passes_the_end_of_the_last_line() -> None:
 def test_irregularities_are_those_of_wires_that_are_named() -> None:
     tree = scenario().model_dump(mode="json")
     for given, message in (
-        ("rough.csv", r"which contact wire is meant.*first, second.*\{first: rough.csv, second: rough.csv\}"),
-        ({"frist": "rough.csv"}, "does not come to such a line.*did you mean first"),
+        ("rough.csv", r"the contact wire is ambiguous.*first, second.*\{first: rough.csv, second: rough.csv\}"),
+        ({"frist": "rough.csv"}, "does not reach this line.*did you mean first"),
         ({"first": 3}, "expected the name of a file"),
         ({}, "expected the name of a file"),
     ):

@@ -114,7 +114,7 @@ def test_what_cannot_be_read_is_kept(tmp_path: Path) -> None:
     file = tmp_path / "out.nc"
     recorded(file)
     file.write_bytes(file.read_bytes()[:200])
-    with pytest.raises(ResultError, match="exists, but cannot be read to see whose it is"):
+    with pytest.raises(ResultError, match="exists, but its scenario cannot be read"):
         check_own(file, scenario())
 
 

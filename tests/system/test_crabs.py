@@ -170,7 +170,7 @@ def test_a_rope_that_is_drawn_up_is_doubted() -> None:
         ({"also_on": ["a"]}, "it stands on that line already"),
         ({"travel": {"from": 30.0, "speed": 1.0}}, "lines that stretch differently"),
         ({"travel": {**HAULED, "at_end": "leave"}}, "all of its lines carry it"),
-        ({"travel": {**HAULED, "at_end": "stay"}}, "what moves it would draw it on"),
+        ({"travel": {**HAULED, "at_end": "stay"}}, "its drive would pull it over"),
         ({"travel": {"kind": "free", "driver": {"speed": 1.0, "force": 1e3}}}, "a driver acts along one line"),
         ({"lift_off": True}, "is not implemented for loads on several lines"),
     ],
