@@ -22,10 +22,12 @@ PRIVATE = (
 )
 PATTERN = re.compile(rf"\b({PRIVATE})\b|^(how|where) ", re.I)
 """Private words and phrases, and clauses that stand for a noun."""
-DATA = {
-    "doubt", "doubts", "tell", "told", "rest", "swings", "come", "goes", "strikes", "way", "room", "blow", "asked", "gone", "what", "ways",
-}  # fmt: skip
-"""Single words are keys, names of classes of CSS or of variables, no messages."""
+DATA = {"no rest shape"}
+"""Values of results that stay as they are."""
+NAMED = re.compile(r'`?\bswings\b`?|class="doubt"|\.doubt \{')
+"""Choices of keys and names of styles within messages."""
+OTHERS = {"studio/lesson.py"}
+"""Lessons, a text of their own."""
 
 
 def texts(path: Path) -> list[tuple[int, str]]:
@@ -48,5 +50,10 @@ def texts(path: Path) -> list[tuple[int, str]]:
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.relative_to(PACKAGE).as_posix())
 def test_messages_have_no_private_words(path: Path) -> None:
-    found = [(line, text) for line, text in texts(path) if " " in text.strip() and PATTERN.search(text)]
+    if path.relative_to(PACKAGE).as_posix() in OTHERS:
+        return
+    found = [
+        (line, text) for line, text in texts(path)
+        if " " in text.strip() and text not in DATA and PATTERN.search(NAMED.sub("", text))
+    ]  # fmt: skip
     assert not found

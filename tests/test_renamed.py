@@ -59,5 +59,5 @@ def test_what_is_no_name_is_refused() -> None:
 
 def test_an_old_option_works_and_says_so() -> None:
     found = CliRunner().invoke(app, ["adequacy", "none.yaml", "--x", "a=1:2:2", "--y", "b=1:2:2", "--rung", "linear"])
-    assert "--rung is called --model now" in found.output
+    assert "--rung was renamed to --model" in found.output
     assert "none.yaml" in found.output

@@ -232,7 +232,7 @@ MISTAKES = {
         "has no such body",
     ),
     "turns": (
-        "loads.train.travel.speed={time: [0, 1], value: [10, -10]}", "loads.train.travel.speed", "must not change its sign",
+        "loads.train.travel.speed={time: [0, 1], value: [10, -10]}", "loads.train.travel.speed", "not change its sign",
     ),
     "gone": ("loads.train.travel.from=50 m", "loads.train.travel.from", "has left deck before it begins"),
 }  # fmt: skip

@@ -46,7 +46,7 @@ class Comparison:
             for result, which in ((self.coupled, "with"), (self.without, "without"))
             for doubt in doubts_of(result)
         ]
-        return f"{''.join(doubts)}{'but for that, ' if doubts else ''}{self._judgement}"
+        return f"{''.join(doubts)}{'apart from that, ' if doubts else ''}{self._judgement}"
 
     @property
     def _judgement(self) -> str:
@@ -115,7 +115,7 @@ def feedback(scenario: Scenario) -> Comparison:
     for result, which in ((coupled, "with"), (without, "without")):
         if result.attrs["outcome"] not in ("completed", "doubtful"):
             metadata = f"{result.attrs['outcome']}: {result.attrs['advice']}"
-            raise RopewalkError(f"the run {which} feedback did not come to its end ({metadata})")
+            raise RopewalkError(f"the run {which} feedback stopped early ({metadata})")
     both = (summary(coupled), summary(without))
     supports = {
         name: _pair(*({k: found["supports"][name][k] for k in ("value", "time")} for found in both))

@@ -245,7 +245,7 @@ class _Ground:
         result = simulate(alone)
         if result.attrs["outcome"] != "completed":
             text = f"{result.attrs['outcome']}: {'; '.join(doubts_of(result)) or result.attrs['advice']}"
-            raise RopewalkError(f"the run of {name} on rigid ground did not come to its end ({text})")
+            raise RopewalkError(f"the run of {name} on rigid ground stopped early ({text})")
         scale = ground.distance / float(result["xi"].values.max())
         upright = engine_of(scenario) is WIRES
         return cls(result, tuple(wheel.name for wheel in wheels_of(alone)), scale, upright)

@@ -108,9 +108,9 @@ def taken_up(path: Path, until: float | None) -> Iterator[Remainder]:
         assert isinstance(run, Dynamic)
         complete = past.attributes["outcome"] in _ENDED
         if complete and until is None:
-            raise ResultError(f"{path}: is complete, up to {run.until:g} s; give --until with a later time to go on")
+            raise ResultError(f"{path}: is complete up to {run.until:g} s; give --until with a later time to continue")
         if until is not None and not (run.until < until or (until == run.until and not complete)):
-            raise ResultError(f"{path}: goes up to {run.until:g} s; give --until with a later time, not {until:g} s")
+            raise ResultError(f"{path}: covers {run.until:g} s; give --until with a later time, not {until:g} s")
         if until is not None and until != run.until:
             _refuse_histories(past, scenario)
             scenario = _longer(past, run, float(until))
@@ -155,7 +155,7 @@ def _checked(past: Past) -> Scenario:
     was, now = past.checkpoint["data"], digests(scenario)
     for key in {**was, **now}:
         if was.get(key) != now.get(key):
-            raise ResultError(f"{path}: the file that {key} names is not there or not what it was; run it again")
+            raise ResultError(f"{path}: the file that {key} names was deleted or changed; run it again")
     return scenario
 
 
@@ -206,8 +206,8 @@ def _refuse_histories(past: Past, scenario: Scenario) -> None:
             speed = load.travel.speed
             if isinstance(speed, SpeedTable) and len(set(speed.value)) > 1:
                 raise ResultError(
-                    f"{past.path}: load {name} is pressed up by what its mean force asks for in the middle of the run; "
-                    "with a speed that changes that moves with the end: run it again"
+                    f"{past.path}: load {name} has a mean force at variable speed, which depends on the end of the "
+                    "run: run it again"
                 )
 
 

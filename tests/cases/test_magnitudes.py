@@ -119,7 +119,7 @@ def test_check_gives_up_a_beginning_that_takes_long(monkeypatch: pytest.MonkeyPa
     )
     found = CliRunner().invoke(app, ["check", str(file)])
     assert found.exit_code == 0, found.output
-    assert "how its run begins was not found within 0.1 s of computing" in found.output
+    assert "the start of the run was not evaluated within 0.1 s of computing time" in found.output
 
 
 def test_a_deadline_is_heard_although_everything_is_caught() -> None:

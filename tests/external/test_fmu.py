@@ -242,14 +242,14 @@ def test_an_fmu_that_fails_says_when_and_why(
 
 def test_an_fmu_may_ask_for_the_end(folder: Path, models: list[FmuModel]) -> None:
     models.append(FmuModel("car", fmu(c_fmu(folder, 3), parameters={"mood": "end", "at": 0.02}), 1.0, 2))
-    with pytest.raises(RopewalkError, match="asks for the end of the simulation"):
+    with pytest.raises(RopewalkError, match="requests the end of the simulation"):
         ride(models[0], StillLine(), 5)
 
 
 def test_an_fmu_that_cannot_be_instantiated_says_that_it_needs_its_tool(folder: Path, version: int) -> None:
     file = c_fmu(folder, version, 'needsExecutionTool="true"', lambda text: text.replace('"right"', '"wrong"'))
     model = FmuModel("car", fmu(file), 1.0, 2)
-    with pytest.raises(RopewalkError, match=r"cannot be loaded.*needs the program that made it"):
+    with pytest.raises(RopewalkError, match=r"cannot be loaded.*requires the program that exported it"):
         model.reset(StillLine())
 
 

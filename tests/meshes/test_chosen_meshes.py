@@ -95,7 +95,7 @@ def test_a_mesh_too_coarse_for_what_is_asked_is_left_out() -> None:
 def test_an_error_that_cannot_be_estimated_is_doubtful() -> None:
     start = {"kind": "mode", "number": 40, "amplitude": 1e-7}
     result = simulate(scenario({"string": taut(64)}, {}, motion(0.02, start=start, mesh_error=True)))
-    assert "the error of the mesh cannot be told" in result.attrs["doubts"]
+    assert "the error of the mesh cannot be estimated" in result.attrs["doubts"]
     assert "mesh_error" not in result.attrs
     assert summary(result)["mesh"]["error"]["value"] is None
 

@@ -62,7 +62,7 @@ def said(*settings: str) -> str:
         (
             [f"{LOAD}irregularity=missing.csv"],
             [f"{LOAD}irregularity: the file cannot be read", "missing.csv (No such file or directory)",
-             "name a text file beside the scenario"],
+             "write the name of a text file in the folder of the scenario"],
         ),
     ],
 )  # fmt: skip
@@ -98,7 +98,7 @@ def test_trolleys_do_not_rest_on_overhead_lines() -> None:
     loads(text, "line.yaml")  # in motion they do
     message = problems(text.replace(DYNAMIC, "  kind: equilibrium"))
     assert "loads.pantograph.kind: is not implemented for" in message
-    assert "overhead lines at rest or quasi-static, given trolley; ask for kind: dynamic" in message
+    assert "overhead lines, given trolley; ask for kind: dynamic" in message
 
 
 def test_masses_that_start_beyond_the_end_or_meet_are_refused() -> None:

@@ -117,4 +117,4 @@ def test_the_command_tells_of_arms_and_strip(tmp_path: Any) -> None:
     said = CliRunner().invoke(app, ["elasticity", str(file)]).output
     assert "lateral force of the steady arms" in said
     assert "800 to 800 N" in said
-    assert "way on the head from 0 to 50 mm" in said
+    assert "contact on the head, 0 to 50 mm" in said

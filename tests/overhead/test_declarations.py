@@ -114,7 +114,8 @@ LINES: list[tuple[dict[str, Any], str, str]] = [
     (
         {"messenger_supports": {"stiffness": [5e5, 5e5], "along": "swings"}},
         "messenger_supports.along",
-        "a messenger with along: swings has no stiffness along the line, given 500000 N/m; write along: held, or one number",
+        "a messenger with along: swings has no stiffness along the line, given 500000 N/m; write along: held, "
+        "or one number",
     ),
     ({"messenger_supports": {"stagger": "straight"}}, "messenger_supports.stagger", "give steady_arms a stagger"),
     ({"stitch_wire": {"length": 60}}, "stitch_wire.length", "would overlap, given 60 m; write less than 60 m"),

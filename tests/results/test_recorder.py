@@ -274,7 +274,7 @@ def test_an_existing_result_is_replaced_but_another_file_is_left_alone(make, tmp
 
 @pytest.mark.parametrize(
     ("name", "why"),
-    [("missing.nc", "no such file"), ("text.nc", "is no NetCDF file"), ("other.nc", "no result of ropewalk")],
+    [("missing.nc", "no such file"), ("text.nc", "is no NetCDF file"), ("other.nc", "not a result of ropewalk")],
 )
 def test_what_is_no_result_is_refused_when_opened(name, why, tmp_path):
     (tmp_path / "text.nc").write_text("no NetCDF")

@@ -263,7 +263,7 @@ def test_runs_without_a_motion_are_refused(kind, tmp_path):
 def test_a_model_without_a_state_is_told_by_its_name(tmp_path, at_once):
     scenario = case("stepper", "loads.m.model=resume_cases:Stateless", "loads.m.options={}")
     killed(scenario, tmp_path / "out.nc", (4,))
-    with pytest.raises(ResultError, match="no checkpoint to go on from: load m: its model has no get_state and no set"):
+    with pytest.raises(ResultError, match="no checkpoint to continue from: load m: its model has no get_state and no set"):
         ropewalk.resume(tmp_path / "out.4.nc")
 
 
@@ -283,7 +283,7 @@ def test_other_data_are_noticed(tmp_path):
     name = next(iter(case("pantograph, small motion").loads))
     ropewalk.simulate(case("pantograph, small motion", f"loads.{name}.irregularity={table}"), file=file)
     table.write_text("0, 0\n1000, 0.002\n")
-    with pytest.raises(ResultError, match=f"the file that loads.{name}.irregularity names is not there or not what"):
+    with pytest.raises(ResultError, match=f"the file that loads.{name}.irregularity names was deleted or changed"):
         ropewalk.resume(file, 1.0)
 
 
@@ -376,7 +376,7 @@ def test_the_command_goes_on_and_ends_as_run_does(tmp_path, monkeypatch):
     assert open_result("out.nc")["time"].values[-1] == pytest.approx(0.4)
     out = call(["resume", "out.nc"])
     assert (out.exit_code, out.stdout) == (2, "")
-    assert out.stderr == "out.nc: is complete, up to 0.4 s; give --until with a later time to go on\n"
+    assert out.stderr == "out.nc: is complete up to 0.4 s; give --until with a later time to continue\n"
     assert call(["resume", "none.nc"]).stderr == "none.nc: there is no such file\n"
     assert "3 parsecs" in call(["resume", "out.nc", "--until", "3 parsecs"]).stderr
 

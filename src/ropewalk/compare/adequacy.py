@@ -259,7 +259,7 @@ def _hash(scenario: Scenario) -> str:
 def _how_to_go_on(done: int, total: int, store: str | os.PathLike[str] | None) -> str:
     if store is None:
         return f"interrupted; {done} of {total} points were done and are lost: with a store they would be kept"
-    return f"interrupted; {done} of {total} points are done and kept in {os.fspath(store)}: the same call goes on there"
+    return f"interrupted; {done} of {total} points are done and kept in {os.fspath(store)}: the same call continues it"
 
 
 def _map(

@@ -64,13 +64,11 @@ def top_of(scenario: Scenario) -> SimplerModel:
     """
     for name, load in scenario.loads.items():
         if isinstance(load, Crowd):
-            wrong, remedy = (
-                "compare supports single people; crowds are not implemented",
-                "write its people as footsteps",
-            )
+            wrong = "compare supports single people; crowds are not implemented"
+            remedy = "write its people as footsteps"
             raise ScenarioError([Problem(f"loads.{name}.kind", wrong, load.kind, remedy)])
     if not scenario.loads:
-        raise ScenarioError([Problem("loads", "nothing travels: there is nothing to compare", remedy="add a load")])
+        raise ScenarioError([Problem("loads", "no load travels: there is nothing to compare", remedy="add a load")])
     for name, load in scenario.loads.items():
         if isinstance(load, Train):
             wrong, remedy = "compare supports single vehicles; trains of them are not implemented", "write kind: axles"
@@ -88,7 +86,7 @@ def top_of(scenario: Scenario) -> SimplerModel:
         loads = {name: without_refusal(load) for name, load in scenario.loads.items()}
         return _complete(
             remade(scenario, loads=loads, run=_finely(moving)),
-            f"the scenario asks for kind: {run.kind}; in full it moves in time, with all geometry",
+            f"the scenario has kind: {run.kind}; the full model is dynamic and geometrically nonlinear",
         )
     except RopewalkError as error:
         text = f"kind: {run.kind} is the fullest model that is supported here: {error}"
@@ -167,9 +165,7 @@ class FullModel:
             run = top.run
             assert isinstance(run, Dynamic)
             if run.geometry == "linearised":
-                return SimplerModel(
-                    LINEAR, same_as=FORCE, remark="the scenario asks for linearised geometry throughout"
-                )
+                return SimplerModel(LINEAR, same_as=FORCE, remark="the scenario has linearised geometry")
             small = remade(top, run=Dynamic(until=run.until, every=run.every, geometry="linearised"))
             return SimplerModel(LINEAR, small, pressing_task(small, self.found), contacts_in(self.found))
         loads, wheels = ConstantForces(top, self.found, FEW_SEGMENTS).forces()

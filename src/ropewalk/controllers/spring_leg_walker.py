@@ -260,7 +260,7 @@ class SpringLegWalker:
 
     def _leave(self) -> None:
         if self.walker.at_end == "refuse":
-            raise TravelEndedError(f"load {self.name} comes to the end of its line")
+            raise TravelEndedError(f"load {self.name} reaches the end of its line")
         self.gone = True
         for foot in (0, 1):
             self._leg(foot)["watch"] = 0

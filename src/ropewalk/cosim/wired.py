@@ -92,7 +92,7 @@ class Wired(Stepwise):
         count = round(h / self.inner)
         if count < 1 or abs(h / self.inner - count) > _WHOLE * count:
             raise RopewalkError(
-                f"a step of {h:g} s was asked for, and wires go on by whole inner steps of {self.inner:.6g} s; "
+                f"a step of {h:g} s was requested, but wires advance by whole inner steps of {self.inner:.6g} s; "
                 "say beforehand by which step it will be moved"
             )
         record = self.motion.go(self._inputs(count * self.inner), count)

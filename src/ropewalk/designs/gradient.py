@@ -121,7 +121,7 @@ def hinders(scenario: Scenario) -> str:
         return "loads that slip"
     ways = (load.travel.measured for load in scenario.loads.values() if isinstance(load, MovingForce))
     if isinstance(run, Quasistatic) and engine is ROPES and any(way != "material" for way in ways):
-        return "places that are searched for on the way"
+        return "positions that are determined during the run"
     if engine is ROPES or isinstance(run, Linear):
         return ""
     if scenario.wind is not None and not scenario.wind.is_calm:

@@ -282,7 +282,7 @@ class CosimulationMaster:
         if 0.0 <= touch.xi <= length:
             return touch.xi
         if self.at_end == "refuse":
-            raise TravelEndedError(f"load {self.name} comes to the end of its line")
+            raise TravelEndedError(f"load {self.name} reaches the end of its line")
         return None if self.at_end == "leave" else min(max(touch.xi, 0.0), length)
 
     # -- Accounts ------------------------------------------------------------------------------------------------

@@ -103,7 +103,7 @@ class FmuModel:
         """What is to be known of it before it begins."""
         found = []
         if self._load.isolated and (walls := lacking()):
-            remedy = "--no-code refuses FMUs whose authors you do not trust"
+            remedy = "use --no-code to refuse FMUs of untrusted authors"
             found.append(
                 f"{self._wiring.who} is isolated, but this system cannot confine it: it lacks {' and '.join(walls)}; "
                 f"the FMU may do all that you may; {remedy}"

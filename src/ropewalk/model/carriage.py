@@ -69,10 +69,8 @@ class CounterRope(Declaration):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if self.axial_stiffness is not None and not self.mass:
-            wrong, remedy = (
-                "a counter rope without mass has no mass to accelerate",
-                "give its mass, or leave axial_stiffness out",
-            )
+            wrong = "a counter rope without mass has no mass to accelerate"
+            remedy = "give its mass, or leave axial_stiffness out"
             finding = Finding(("axial_stiffness",), wrong, f"{self.axial_stiffness:g} N", remedy)
             report("counter rope", [finding])
         return self

@@ -39,10 +39,8 @@ class Hysteresis(Declaration):
         if self.ratio is not None and self.unloading is not None:
             yield Finding(("ratio",), "ratio and unloading exclude each other", remedy="give one of them")
         if self.ratio is not None and self.ratio >= 1.0:
-            wrong, remedy = (
-                "the unloading tension would not be below the loading tension",
-                "write less than 1, for example 0.8",
-            )
+            wrong = "the unloading tension would not be below the loading tension"
+            remedy = "write less than 1, for example 0.8"
             yield Finding(("ratio",), wrong, f"{self.ratio:g}", remedy)
         for i, tension in enumerate(self.unloading or ()):
             if tension < 0.0:

@@ -167,10 +167,8 @@ class Line(Declaration):
                 wrong, remedy = "an inner support lets the line turn", "end two lines there, each of them clamped"
                 yield Finding((*path, "clamped"), wrong, "true", remedy)
             if self.length is not None and support.at >= self.length - near:
-                wrong, remedy = (
-                    f"is not between the ends of the line ({self.length:g} m long)",
-                    "stay within its length",
-                )
+                wrong = f"is not between the ends of the line ({self.length:g} m long)"
+                remedy = "stay within its length"
                 yield Finding((*path, "at"), wrong, f"{support.at:g} m", remedy)
             for other, at in taken.items():
                 if abs(at - support.at) <= near:

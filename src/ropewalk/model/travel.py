@@ -142,10 +142,8 @@ class FreeTravel(Declaration):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if self.friction_model != "capstan" and not self.friction:
-            wrong, remedy = (
-                "a model of friction without a coefficient",
-                "add friction, for example 0.3, or leave it out",
-            )
+            wrong = "a model of friction without a coefficient"
+            remedy = "add friction, for example 0.3, or leave it out"
             report("free travel", [Finding(("friction_model",), wrong, self.friction_model, remedy)])
         return self
 

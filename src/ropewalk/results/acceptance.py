@@ -93,8 +93,7 @@ SIMPLE_AC: dict[int, _Ranges] = {
 """Benchmark of Bruni et al. (2015), taken up by EN 50318:2018, by speed in km/h (R: provisional)."""
 
 _NOTES = {
-    "F": "ranges [F]: as public secondary sources quote them; the standard itself was not at hand, this is no "
-    "certification",
+    "F": "ranges [F]: from public secondary sources, not from the standard; not a certification",
     "R": "ranges [R]: provisional, not verified against the standard; not a certification",
 }
 

@@ -62,9 +62,9 @@ def too_far_apart(what: str, values: Array, instants: Array, i: int) -> str:
         i: its index, see `sharp`.
     """
     return (
-        f"{what}, {values[i]:.4g} N at t = {instants[i]:.4g} s, is a peak that output instants are too far apart for: "
-        f"it is {values[i - 1]:.4g} N {instants[i] - instants[i - 1]:.3g} s before and {values[i + 1]:.4g} N after; "
-        f"the true one may be larger by {100.0 * missed(values, i):.2g} % or more; write a smaller run.every"
+        f"{what}, {values[i]:.4g} N at t = {instants[i]:.4g} s, is a peak shorter than the output interval: "
+        f"{values[i - 1]:.4g} N {instants[i] - instants[i - 1]:.3g} s before and {values[i + 1]:.4g} N after; the "
+        f"true peak may be larger by {100.0 * missed(values, i):.2g} % or more; write a smaller run.every"
     )
 
 

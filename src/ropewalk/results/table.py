@@ -341,7 +341,7 @@ def _contact_rows(name: str, contact: Summary, say: Column, largest: float) -> I
     if (hold["value"] or 0.0) > NOTHING * largest:
         yield "largest hold force", say(hold["value"], "N"), "  ".join((*say.when(hold), *_components(hold, say)))
     if ((needed := contact["friction_needed"])["value"] or 0.0) > NOTHING:
-        beyond = ("more than surfaces have: a clamp bears it",) if needed["value"] > _MOST_FRICTION else ()
+        beyond = ("larger than for dry surfaces: requires a clamp",) if needed["value"] > _MOST_FRICTION else ()
         yield "friction coefficient needed", number(needed["value"], 3), "  ".join((*say.when(needed), *beyond))
     if contact["share_in_air"]:
         yield "in the air", f"{number(100 * contact['share_in_air'], 2)} %", "of its time"

@@ -86,7 +86,7 @@ def finish(dataset: xr.Dataset, store: Path, outputs: list[Path], quiet: bool) -
     counts = counted(dataset)
     total, fine = sum(counts.values()), sum(counts.get(name, 0) for name in FINE)
     if dataset.attrs["outcome"] == "interrupted":
-        report = f"interrupted; {fine} of {total} cases are done and kept in {store}: the same command goes on there"
+        report = f"interrupted; {fine} of {total} cases are finished and kept in {store}: the same command continues it"
         partial = "".join(f"; {file} holds these" for file in outputs)
         fail(report + partial, INTERRUPTED)
     report = f"{total} cases: {', '.join(f'{number} {name}' for name, number in counts.items())}"

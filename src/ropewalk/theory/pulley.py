@@ -52,7 +52,11 @@ def resting(
     reach, or on an elastic rope too near to a support, where the load slips off for any hold force.
     """
     if "held" in before:
-        warn("held is called restrained now; the old name goes with the next release", DeprecationWarning, stacklevel=2)
+        warn(
+            "held was renamed to restrained; the old name will be removed in the next release",
+            DeprecationWarning,
+            stacklevel=2,
+        )
         restrained = before.pop("held")
     if before:
         raise TypeError(f"resting() got an unexpected keyword argument {next(iter(before))!r}")
