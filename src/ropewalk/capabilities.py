@@ -152,7 +152,7 @@ def unsupported(parts: Parts) -> Iterator[Finding]:
 
 
 def _window_with_all_geometry(engine: Engine, parts: Parts) -> Iterator[Finding]:
-    """A window in which wires have all geometry needs tensions that nothing far from it changes."""
+    """A window in which wires have nonlinear geometry needs tensions that nothing far from it changes."""
     run, what = parts.run, ""
     if not isinstance(run, Dynamic) or run.window is None or run.geometry == "linearised":
         return

@@ -103,7 +103,7 @@ def feedback(scenario: Scenario) -> Comparison:
         scenario: with a run in time.
 
     Raises:
-        ScenarioError: the run goes on from a stored result.
+        ScenarioError: the run continues from a stored result.
         RopewalkError: it is no run in time, or one of the runs does not come to its end.
     """
     if scenario.run.kind not in ("dynamic", "linear"):

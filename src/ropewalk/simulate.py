@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 
 
 Seen = Callable[[Layout, Frames, RunInfo], None]
-"""What looks at a run while it goes on."""
+"""What looks at a run while it continues."""
 
 
 def simulate(
@@ -287,7 +287,7 @@ def _motion(scenario: Scenario, run: Dynamic, run_info: RunInfo, times: Array, p
 
 
 def _still(scenario: Scenario, run_info: RunInfo) -> StaticEngine:
-    """Rest and slow motion, by the engine that the lines ask for."""
+    """Rest and quasi-static motion, by the engine that the lines ask for."""
     until = horizon(scenario) if isinstance(scenario.run, Quasistatic) and not scenario.nets else 0.0
     engine = engine_of(scenario)
     if engine is SYSTEM:
@@ -376,7 +376,7 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
     check_spectrum(scenario, with_loads=at is not None or _with_loads(scenario), at_rest=at is None)
     scenario = _formed(scenario)
     run, with_loads = scenario.run, _with_loads(scenario)
-    if is_system_linearised(scenario):  # about the rest of all geometry
+    if is_system_linearised(scenario):  # about the rest of nonlinear geometry
         scenario = scenario.model_copy(update={"run": run.model_copy(update={"geometry": "nonlinear"})})
     if at is not None:
         run = _check_instant(scenario, at)

@@ -207,7 +207,7 @@ LOAD, SPEED = Axis("load ratio", (0.01, 0.1, 1.0)), Axis("speed ratio", (0.1, 0.
             ".a.. .a.. .aa.",
             ": for speed ratio 0.2 at any load ratio from 0.01 to 1, and at 1 more point",
         ),
-        ("aaaa aaaa aaaa", "everywhere in the plane; the largest error is at speed ratio 0.1 and load ratio 0.01 (1 %)"),
+        ("aaaa aaaa aaaa", "everywhere in the plane; the largest error is at speed ratio 0.1 and load ratio 0.01"),
         (".... .... ....", "nowhere in the plane; the smallest error is at speed ratio 0.1 and load ratio 0.01 (40 %)"),
         ("aa?? .... ....", "speed ratio 0.1 and load ratio 0.1 (40 %); 2 points have no answer"),
         ("aa?? .... ....", "on 17 % of the plane (2 of 12 points): for load ratio 0.01 with speed ratios up to 0.2"),

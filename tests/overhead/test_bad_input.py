@@ -62,7 +62,7 @@ def said(*settings: str) -> str:
         (
             [f"{LOAD}irregularity=missing.csv"],
             [f"{LOAD}irregularity: the file cannot be read", "missing.csv (No such file or directory)",
-             "write the name of a text file in the folder of the scenario"],
+             "name a text file next to the scenario"],
         ),
     ],
 )  # fmt: skip

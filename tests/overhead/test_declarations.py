@@ -152,7 +152,7 @@ PANTOGRAPHS: list[tuple[dict[str, Any], str, str]] = [
     (without(stiffness=[50, 1, 2]), "stiffness", "does not go with the masses, given 3 for 2 masses; give 2 values"),
     (without(stiffness=[50, 0]), "stiffness.1", "the mass has no support"),
     (without(masses=[15, 0]), "masses.1", "must be positive"),
-    (without("static_force"), "static_force", "no force presses the pantograph against the wire"),
+    (without("static_force"), "static_force", "no force acts upwards on the pantograph"),
     (without(mean_force="ac"), "static_force", "mean_force takes its place, given 120"),
     (without("static_force", mean_force="AC"), "mean_force", "did you mean ac?"),
     (without("static_force", mean_force="150 kg"), "mean_force", "150 kg"),

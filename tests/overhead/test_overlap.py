@@ -244,7 +244,7 @@ def test_samples_of_several_wires_are_taken_together() -> None:
     [
         ({"overlap": "secnd"}, {}, "first.overlap", "unknown overhead line; did you mean second"),
         ({"overlap": "first"}, {}, "first.overlap", "unknown overhead line; other .* here: second"),
-        ({}, {"start": [170.0, 0.0]}, "first.overlap", "does not overlap with second at its end; let second start betw"),
+        ({}, {"start": [170.0, 0.0]}, "first.overlap", "does not overlap with second at its end; let second start"),
         ({"heights": [0.0] * 5}, {}, "first.heights", "ends at x = 160 m within reach of pantographs; raise its last"),
         ({}, {"heights": [0.1, 0, 0, 0, 0]}, "second.heights", "ends at x = 40 m within reach .*; raise its first"),
         ({"heights": [0.0, 0.5]}, {}, "first.heights", "do not go with the supports; give 5 values"),

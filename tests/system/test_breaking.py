@@ -73,5 +73,5 @@ def test_a_line_that_bears_what_it_feels_is_trusted() -> None:
 
 
 def test_a_cut_says_when() -> None:
-    with pytest.raises(ValueError, match="the instant of the cut is not determined"):
+    with pytest.raises(ValueError, match="has no time"):
         drawn(0.01, cut={"at": 5.0})

@@ -14,17 +14,14 @@ from ropewalk.cli.options import Json, ScenarioFile, Settings
 def elasticity(
     file: ScenarioFile,
     force: Annotated[str, typer.Option("--force", help="Upward force on the contact wire.")] = "100 N",
-    span: Annotated[
-        int | None, typer.Option("--span", help="Number of the span, from 1 [default: the first analysed].")
-    ] = None,
+    span: Annotated[int | None, typer.Option("--span", help="Its number [default: the first analysed].")] = None,
     side_load: Annotated[
         str, typer.Option("--side-load", metavar="N/m", help="Lateral wind force on the contact wire, per length.")
     ] = "0 N/m",
     settings: Settings = None,
     as_json: Json = False,
 ) -> None:
-    """Elasticity and wave speeds of overhead lines. Also reflection, Doppler factor, amplification and deflection "
-    "in wind."""
+    """Elasticity and wave speeds of overhead lines. Also reflection, Doppler factor, amplification and wind."""
     with reported():
         scenario = load_scenario(file, settings)
         if not scenario.overhead_lines:
@@ -72,7 +69,5 @@ def _rows(name: str, found: dict[str, Any]) -> list[tuple[str, ...]]:
     if any(forces):
         rows.append(("lateral force of the steady arms", f"{min(forces):.0f} to {max(forces):.0f} N"))
         for begin, end, share in zip(strip["edges"], strip["edges"][1:], strip["share"], strict=False):
-            rows.append(
-                (f"contact on the head, {1e3 * begin:.0f} to {1e3 * end:.0f} mm", f"{100 * share:.1f} %")
-            )
+            rows.append((f"contact on the head, {1e3 * begin:.0f} to {1e3 * end:.0f} mm", f"{100 * share:.1f} %"))
     return rows

@@ -59,8 +59,7 @@ def adequacy(
 def sweep(
     file: ScenarioFile,
     over: Annotated[
-        list[str] | None,
-        typer.Option("--over", metavar="KEY=VALUES", help="Key and its values: 100:350:5km/h, or a,b,c."),
+        list[str] | None, typer.Option("--over", metavar="KEY=VALUES", help="Key, values: 100:350:5km/h, or a,b,c.")
     ] = None,
     derive: Derive = None,
     record: Annotated[
@@ -117,8 +116,7 @@ def design(
         str | None, typer.Option("--maximise", "--maximize", metavar="QUANTITY", help="Quantity to maximise.")
     ] = None,
     subject_to: Annotated[
-        list[str] | None,
-        typer.Option("--subject-to", metavar="LIMIT", help='Constraint, as "max strain < 2 %"; repeat it.'),
+        list[str] | None, typer.Option("--subject-to", metavar="LIMIT", help='Limit, as "max strain < 2 %"; repeat it.')
     ] = None,
     derive: Derive = None,
     output: Annotated[
@@ -131,8 +129,7 @@ def design(
         str | None, typer.Option("--method", help="models (few variables) or optuna (many, noisy).")
     ] = None,
     tolerance: Annotated[
-        float,
-        typer.Option("--tolerance", metavar="PART", help="Tolerance, as a fraction of the range of each variable."),
+        float, typer.Option("--tolerance", metavar="PART", help="Tolerance, as a fraction of each range.")
     ] = 1e-3,
     first: Annotated[
         int | None, typer.Option("--first", metavar="N", help="Number of initial points, spread over all ranges.")

@@ -23,9 +23,7 @@ def studio(
     memory: Annotated[
         float, typer.Option("--memory", metavar="GB", help="Memory limit of each process; 0: no limit.")
     ] = 4.0,
-    pages: Annotated[
-        int, typer.Option("--pages", metavar="N", help="Maximum number of pages that compute at once.")
-    ] = 4,
+    pages: Annotated[int, typer.Option("--pages", metavar="N", help="Limit of pages that compute at once.")] = 4,
     seconds: Annotated[float, typer.Option("--seconds", metavar="S", help="Time limit of a run.")] = 3600.0,
     workers: Annotated[
         int | None,

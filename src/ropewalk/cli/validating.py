@@ -19,9 +19,7 @@ def validate(
     ] = None,
     listed: Annotated[bool, typer.Option("--list", help="List the rows and compute nothing.")] = False,
     quick: Annotated[bool, typer.Option("--quick", help="Only rows that take a second at most.")] = False,
-    faults: Annotated[
-        bool, typer.Option("--faults", help="Insert a fault into each row: it must differ.")
-    ] = False,
+    faults: Annotated[bool, typer.Option("--faults", help="Insert a fault into each row: it must differ.")] = False,
     output: Annotated[
         list[Path] | None,
         typer.Option("-o", "--output", metavar="OUT", help="Page to write: .md, .html or .json; may be repeated."),

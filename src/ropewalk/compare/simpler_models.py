@@ -39,7 +39,7 @@ MODELS = (LINEAR, QUASISTATIC, FORCE, MASS, FULL, CUT)
 """From the bottom to the top, and the top with its feedback cut."""
 SIMPLEST_FIRST = (LINEAR, QUASISTATIC, FORCE, CUT, MASS, FULL)
 FRAMES = 200  # of a run, at least: what is between two of them is compared by straight lines
-POSITIONS = 201  # of a slow motion
+POSITIONS = 201  # of a quasi-static motion
 FEW_SEGMENTS = 24  # of constant speed, of a free travel in the linear theory: it looks for waves from every one of them
 
 
@@ -57,7 +57,7 @@ class SimplerModel:
 
 
 def top_of(scenario: Scenario) -> SimplerModel:
-    """The full model: the scenario itself, in time and with all geometry where the package can do that.
+    """The full model: the scenario itself, in time and with nonlinear geometry where the package can do that.
 
     Raises:
         ScenarioError: there is nothing to compare.
@@ -103,7 +103,7 @@ def _finely(run: Dynamic) -> Dynamic:
 
 
 def _duration(scenario: Scenario) -> float:
-    """Time in s that a slow motion stands for: until the last load has left its line or has stopped."""
+    """Time in s that a quasi-static motion stands for: until the last load has left its line or has stopped."""
     *_, last = walk(setting_of(scenario, horizon(scenario)), 2)
     return float(last.t)
 
@@ -238,7 +238,7 @@ class FullModel:
 
 
 def _ended(travel: Course, until: float) -> Course:
-    """A travel that ends where it is at a time in s, however far its line goes on."""
+    """A travel that ends where it is at a time in s, however far its line continues."""
     speed = travel.speed
     if callable(speed):
         return travel

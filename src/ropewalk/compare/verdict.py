@@ -44,7 +44,7 @@ def thresholds(tolerance: float = TOLERANCE, tolerances: Mapping[str, float] | N
 
 
 def is_adequate(errors: Errors, allowed: Mapping[str, float]) -> bool:
-    """Whether all that is known of a model is within what is allowed, and something is known."""
+    """Whether all that is known of a model is within the tolerance, and something is known."""
     known = {name: errors[name] for name in allowed if errors.get(name) is not None}
     return bool(known) and all(value is not None and value <= allowed[name] for name, value in known.items())
 

@@ -42,7 +42,7 @@ class Part(Protocol):
 
 
 class Link(NamedTuple):
-    """An output that is somebody else's input."""
+    """An output of one simulator that is an input of another."""
 
     giver: str
     output: str

@@ -45,7 +45,7 @@ def design(
 
     Some points all over the space are computed side by side, the best of them is where the search begins, and around
     what it finds a look is taken whether that is an optimum. Every run is a case of the store, which sweeps share: a
-    design that was stopped goes on where it was. Under `if __name__ == "__main__":`, as `sweep`.
+    design that was stopped continues where it was. Under `if __name__ == "__main__":`, as `sweep`.
 
     Args:
         scenario: what the designs are changes of.

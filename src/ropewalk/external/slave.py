@@ -92,11 +92,7 @@ class Slave:
                 self._binary = binary_of(wiring, folder, self._listen)
         except Exception as error:
             self.close()
-            remedy = (
-                ("; it requires the program that exported it: check that this is installed")
-                if wiring.needs_tool
-                else ""
-            )
+            remedy = "; it requires the program that exported it: install this" if wiring.needs_tool else ""
             raise self._error(f"cannot be loaded ({error}){remedy}") from error
 
     @property

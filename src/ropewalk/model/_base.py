@@ -82,7 +82,7 @@ def report(title: str, findings: Iterable[Finding]) -> None:
 
 @dataclass(frozen=True)
 class Variants:
-    """Annotation: the value is one of several declarations, told apart by `kind`, which must be written.
+    """Annotation: the value is one of several declarations, distinguished by `kind`, which must be written.
 
     It replaces a tagged union so that errors stand at the key itself and an unknown kind gives exactly one.
 

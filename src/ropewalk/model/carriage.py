@@ -45,9 +45,7 @@ class Cabin(Declaration):
         default=0.0, description="of the damper between hanger and main rocker: moment over rate of the angle"
     )
     swing: Angle = Field(default=0.0, description="angle of the hanger from the vertical at the start, towards +x")
-    air_drag: AirDrag = Field(
-        default=0.0, description="coefficient of the force air_drag |v| v, v: relative velocity of the air"
-    )
+    air_drag: AirDrag = Field(default=0.0, description="force air_drag |v| v, v: relative velocity of the air")
     floor: Offset = Field(
         default=0.0, description="distance of its lowest point below the centre of gravity, for the clearance"
     )
@@ -265,7 +263,7 @@ def _hangs(name: str, haul: Haul, line: Any, gravity: float) -> Iterator[Finding
 
 
 def check_carriages(parts: Any) -> Iterator[Finding]:
-    """Find hauling ropes that end nowhere, and wheels that would stand beside their line."""
+    """Find hauling ropes without an end, and wheels that would be off their line."""
     drawn = set[str]()  # what ropes over pulleys run to
     for name, load in parts.loads.items():
         if not isinstance(load, Carriage):

@@ -127,10 +127,7 @@ def _steered(parts: Parts) -> Iterator[Finding]:
     """Masses that the line which they stretch would steer."""
     for name, load in parts.loads.items():
         if isinstance(parts.run, Dynamic) and isinstance(load, _Massive) and load.travel.measured == "arc":
-            wrong = (
-                "a mass that follows the arc length is unstable: its position depends on the stretch of the "
-                "line, and the stretch on its position"
-            )
+            wrong = "a mass that follows the arc length is unstable: it stretches the line that determines its place"
             remedy = "write slip, which differs by how fast the line behind gets longer, or material or horizontal"
             yield Finding(("loads", name, "travel", "measured"), wrong, "arc", remedy)
 
@@ -187,9 +184,7 @@ def _hoists(parts: Parts) -> Iterator[Finding]:
                 yield Finding(path, wrong, remedy="let it stop before, give more length, or end the run before")
         elif parts.run is not None:
             yield Finding(
-                path,
-                "the length of a rope changes in time, and this kind of run has none",
-                remedy="ask for kind: dynamic, or leave it out",
+                path, "a rope of variable length needs a time", remedy="ask for kind: dynamic, or leave it out"
             )
 
 

@@ -28,17 +28,14 @@ class Exchange(Declaration):
     order: Annotated[int, Count(0, 2)] | None = Field(
         default=None,
         description="of the extrapolation of forces (and of motions, parallel): 0 holds the last value; iterated: 0 "
-        "holds the next one over the interval, which damps, 1 interpolates linearly (default: 0; "
-        "iterated: 1)",
+        "holds the next one over the interval, which damps, 1 interpolates linearly (default: 0; iterated: 1)",
     )
     stiffness: Stiffness = Field(default=0.0, description="of a spring between both, for models that give motion")
     damping: Viscosity = Field(default=0.0, description="of the damper between the line and the model")
     tolerance: Factor = Field(default=1e-8, description="iterated: change of the forces, as a part of them, to stop at")
     iterations: Annotated[int, Count(1, 1000)] = Field(default=30, description="iterated: the most in one interval")
     warn: Factor = Field(
-        default=0.01,
-        description="relative energy error of the exchange, referred to the exchanged work, above which a warning is "
-        "issued",
+        default=0.01, description="limit of the energy error over the exchanged work, above which a warning is printed"
     )
 
     @model_validator(mode="after")

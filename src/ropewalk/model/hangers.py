@@ -171,7 +171,7 @@ def guessed(name: str, row: Hangers, lines: Mapping[str, Line | None], gravity: 
 
 
 def _arc(slope: float) -> float:
-    """Length of a parabola from its vertex to a slope, over what is left out."""
+    """Length of a parabola from its vertex to a slope, over the neglected part."""
     return slope * math.sqrt(1.0 + slope**2) + math.asinh(slope)
 
 

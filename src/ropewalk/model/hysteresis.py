@@ -16,7 +16,7 @@ from ropewalk.model.quantity import Factor, PositiveForce, TableForce
 class Hysteresis(Declaration):
     """Loading follows `law`, unloading another curve below it; between both, a spring and a slider that rubs.
 
-    The difference is friction within the line, whatever the speed. Give `ratio`, or `unloading` beside a law of kind
+    The difference is friction within the line, whatever the speed. Give `ratio`, or `unloading` with a law of kind
     table. A motion begins on the curve of loading.
     """
 

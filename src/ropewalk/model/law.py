@@ -30,7 +30,7 @@ class SecondPiolaKirchhoff(Declaration):
 
 
 class Polynomial(Declaration):
-    """T = c1 eps + c2 eps^2 + c3 eps^3 + ..., with an own stiffness (no `axial_stiffness` beside it)."""
+    """T = c1 eps + c2 eps^2 + c3 eps^3 + ..., with its own stiffness (no `axial_stiffness`)."""
 
     kind: Literal["polynomial"] = "polynomial"
     coefficients: tuple[TableForce, ...] = Field(min_length=1, max_length=8, description="c1, c2, ... up to c8")
@@ -45,7 +45,7 @@ class Polynomial(Declaration):
 
 
 class Tabulated(Declaration):
-    """T linear between points, continued with the end slopes, without `axial_stiffness` beside it."""
+    """T linear between points, continued with the end slopes, without `axial_stiffness`."""
 
     kind: Literal["table"] = "table"
     strain: tuple[TableStrain, ...] = Field(min_length=2, description="rising strains (0.01 or 1 %)")
@@ -81,7 +81,7 @@ REFERENCE_TENSION = 10e3  # N, tension at which riggers tell how far webbing str
 
 
 class Webbing(Declaration):
-    """T = 10 kN eps/stretch where eps > 0, told as riggers do; without `axial_stiffness` beside it.
+    """T = 10 kN eps/stretch where eps > 0, as riggers specify it; without `axial_stiffness`.
 
     By `name`: pinkTube 18 %, halfMarathon 4 % (slacktivity.com, Forces in Highlining). Others by their `stretch`.
     """

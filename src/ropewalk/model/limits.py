@@ -13,7 +13,7 @@ System = Literal["ac", "dc_3kv", "dc_1.5kv"]
 
 
 class Limits(Declaration):
-    """Limits of EN 50367, EN 50119 and the TSI Energy beside which the statistics of each pantograph are set.
+    """Limits of EN 50367, EN 50119 and the TSI Energy, compared with the statistics of each pantograph.
 
     They change nothing of a run. Their numbers were recalled, and not checked against the text of the standards.
     """

@@ -27,9 +27,7 @@ class MovingMass(Declaration):
         "frictionless: equal tension on both sides",
     )
     force: ForceHistory = Field(default=(0.0, 0.0), description="further force on it, or a table {time, value}")
-    air_drag: AirDrag = Field(
-        default=0.0, description="coefficient of the force air_drag |v| v, v: relative velocity of the air"
-    )
+    air_drag: AirDrag = Field(default=0.0, description="force air_drag |v| v, v: relative velocity of the air")
     lift_off: bool = Field(default=False, description=LIFT_OFF)
     side: Side = Field(default="above", description=SIDE)
 

@@ -28,7 +28,7 @@ class OverheadWire(Declaration):
 
 
 class ContactWire(OverheadWire):
-    """The wire that pantographs touch; what is not given is that of the EN 50318 reference models."""
+    """The wire that pantographs touch; an omitted value is that of the EN 50318 reference models."""
 
     mass: MassPerLength = Field(default=1.35, description="per length")
     tension: PositiveForce = Field(default=20e3, description="along the line, in equilibrium")
@@ -36,7 +36,7 @@ class ContactWire(OverheadWire):
 
 
 class MessengerWire(OverheadWire):
-    """The wire that carries the contact wire; what is not given is that of the EN 50318:2002 reference model."""
+    """The wire that carries the contact wire; an omitted value is that of the EN 50318:2002 reference model."""
 
     mass: MassPerLength = Field(default=1.07, description="per length")
     tension: PositiveForce = Field(default=16e3, description="along the line, in equilibrium")

@@ -94,7 +94,7 @@ def check_overlaps(parts: Parts) -> Iterator[Finding]:
 
 
 def _beside(name: str, line: OverheadLine, follower: str, other: OverheadLine) -> Iterator[Finding]:
-    """What is wrong with two lines beside each other."""
+    """Find problems of two adjacent lines."""
     end, begin, last = line.start[0] + line.length, other.start[0], other.start[0] + other.length
     if not line.start[0] < begin < end < last:
         given = f"x = {line.start[0]:g} to {end:g} m, and {begin:g} to {last:g} m"

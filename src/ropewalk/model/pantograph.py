@@ -102,7 +102,7 @@ class Pantograph(Declaration):
 
     It is a published one, named by `model`, or given by its masses, springs and dampers. The spring of its base is
     without force where the head stands as high as the contact wire at the supports; weights are not counted, the
-    static force is what is left of the raising force.
+    static force is the remainder of the raising force.
     """
 
     kind: Literal["pantograph"] = "pantograph"
@@ -119,9 +119,7 @@ class Pantograph(Declaration):
     static_force: PositiveForce | None = Field(
         default=None, description="upwards on the lowest mass (default: that of the published pantograph)"
     )
-    aerodynamic: AirDrag = Field(
-        default=0.0, description="uplift aerodynamic * speed^2, in addition to the static force"
-    )
+    aerodynamic: AirDrag = Field(default=0.0, description="uplift aerodynamic * speed^2, added to the static force")
     aerodynamic_on: Literal["frame", "head"] = Field(default="frame", description="mass on which the uplift acts")
     mean_force: Annotated[float | str, _ForceOrTarget()] | None = Field(
         default=None,
@@ -243,9 +241,7 @@ class Pantograph(Declaration):
                     yield Finding((key,), "mean_force takes its place", f"{getattr(self, key):g}", remedy)
         elif self.static_force is None and self.model is None:
             remedy = "add static_force, for example 120 N, or mean_force, for example ac"
-            yield Finding(
-                ("static_force",), "is required: no force presses the pantograph against the wire", remedy=remedy
-            )
+            yield Finding(("static_force",), "is required: no force acts upwards on the pantograph", remedy=remedy)
         elif self.static_force is None and self.aerodynamic:
             published = PUBLISHED.get(self.model or "")
             if published is not None and isinstance(published.force, str):

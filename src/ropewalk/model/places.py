@@ -104,7 +104,7 @@ def meetings(parts: Parts) -> Iterator[Finding]:
         wire = parts.overhead.get(load.on) if load is not None else None
         if load is not None and wire is not None and not isinstance(load, Pantograph):
             everybody.append((name, load, load.on, wire))
-    found = set[str]()  # who meets somebody is told so once
+    found = set[str]()  # each pair is reported once
     # People pass one another.
     alone = [
         load for load in everybody if not (is_one_of_many(load[0]) and isinstance(load[1], Footsteps))

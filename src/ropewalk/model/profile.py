@@ -34,7 +34,7 @@ Spectrum = Literal[
 class Profile(Declaration):
     """The profile of a road or track on a line and before and behind it: camber, roughness, irregularities.
 
-    Wheels of masses, oscillators, trolleys and vehicles follow it, feet of walkers stand on it, and models of one's own
+    Wheels of masses, oscillators, trolleys and vehicles follow it, feet of walkers stand on it, and user-defined models
     see the line with it; given forces do not feel it.
     """
 

@@ -31,7 +31,7 @@ def check_overhead(parts: Parts) -> Iterator[Finding]:
 
 
 def check_small(parts: Parts) -> Iterator[Finding]:
-    """Find lines that are not straight enough, or whose tensions change, in small motion."""
+    """Find lines that are not straight enough, or whose tensions change, in linearised motion."""
     if not isinstance(parts.run, Dynamic) or parts.run.geometry != "linearised" or not parts.has_bending_stiffness:
         return
     for name, line in parts.lines.items():
@@ -40,7 +40,7 @@ def check_small(parts: Parts) -> Iterator[Finding]:
 
 
 def _slack(line: Line) -> Iterator[_Lack]:
-    """What small motion about a straight line cannot be about: a line that is slack, or buckles."""
+    """What linearised motion about a straight line cannot be about: a line that is slack, or buckles."""
     supports = [support for _, support in line.ends()]
     if line.distance < SHORTEST:
         remedy = "write run.geometry: nonlinear, or other ends"
@@ -63,7 +63,7 @@ def _slack(line: Line) -> Iterator[_Lack]:
 
 
 def _constant(line: Line) -> Iterator[_Lack]:
-    """Supports that would change the tension to the first order, which small motion has constant."""
+    """Supports that would change the tension to the first order, which linearised motion has constant."""
     level, constant = abs(line.start[-1] - line.end[-1]) <= _LEVEL * line.distance, "tensions are constant"
     inner = tuple((("supports", name), support) for name, support in line.supports.items())
     for key, support in (*(((key,), support) for key, support in line.ends()), *inner):

@@ -69,7 +69,7 @@ class Travel(Course):
 
 
 class Driver(Declaration):
-    """Somebody who holds a speed as well as a force of limited size allows."""
+    """A controller that holds a speed by a force of limited size."""
 
     speed: SpeedHistory = Field(description="to hold, along the line: a constant, or a table {time, value}")
     force: PositiveForce = Field(description="the most it can push or brake with")

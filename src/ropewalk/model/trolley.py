@@ -45,9 +45,7 @@ class Payload(Declaration):
     at: Displacement | None = Field(
         default=None, description="position at the start relative to the trolley, [x, z] or [x, y, z], instead of swing"
     )
-    air_drag: AirDrag = Field(
-        default=0.0, description="coefficient of the force air_drag |v| v, v: relative velocity of the air"
-    )
+    air_drag: AirDrag = Field(default=0.0, description="force air_drag |v| v, v: relative velocity of the air")
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -79,10 +77,7 @@ class Trolley(Declaration):
     force: ForceHistory = Field(
         default=(0.0, 0.0), description="further force on the trolley, or a table {time, value}"
     )
-    air_drag: AirDrag = Field(
-        default=0.0,
-        description="coefficient of the force air_drag |v| v, v: velocity of the air relative to the trolley",
-    )
+    air_drag: AirDrag = Field(default=0.0, description="force air_drag |v| v, v: velocity of the air to the trolley")
     lift_off: bool = Field(default=False, description=LIFT_OFF)
     side: Side = Field(default="above", description=SIDE)
 

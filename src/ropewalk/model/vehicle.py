@@ -60,7 +60,7 @@ class _TwoNames:
 
 
 class Spring(Declaration):
-    """A vertical spring with a damper beside it, between two parts of a vehicle."""
+    """A vertical spring with a damper parallel to it, between two parts of a vehicle."""
 
     between: Annotated[tuple[str, str], _TwoNames()] = Field(description="names of a body and a wheel, or two bodies")
     stiffness: PositiveStiffness = Field(description="of the spring")

@@ -35,7 +35,7 @@ _QUANTITIES = {  # name of the statistic: what it is, its unit and its scale her
 
 @dataclass(frozen=True)
 class Check:
-    """A quantity beside the range that it should lie in."""
+    """A quantity and the range in which it should lie."""
 
     quantity: str  # name of the statistic
     what: str
@@ -53,7 +53,7 @@ class Check:
 
 @dataclass(frozen=True)
 class Acceptance:
-    """Quantities of a reference model, beside their ranges."""
+    """Quantities of a reference model and their ranges."""
 
     title: str
     remark: str
@@ -99,7 +99,7 @@ _NOTES = {
 
 
 def against_en50318_2002(statistics: ContactStatistics, speed: float) -> Acceptance:
-    """Set the eight quantities of the reference model of EN 50318:2002 beside their ranges.
+    """Compare the eight quantities of the reference model of EN 50318:2002 with their ranges.
 
     Args:
         statistics: of a run of that model.
@@ -112,7 +112,7 @@ def against_en50318_2002(statistics: ContactStatistics, speed: float) -> Accepta
 
 
 def against_simple_ac(statistics: ContactStatistics, speed: float) -> Acceptance:
-    """Set quantities of the "simple AC" benchmark beside their provisional ranges, at 275 or 320 km/h.
+    """Compare quantities of the "simple AC" benchmark with their provisional ranges, at 275 or 320 km/h.
 
     Raises:
         ValueError: there are none for this speed.

@@ -60,9 +60,7 @@ VARIABLES: Mapping[str, ResultVariable] = {
     "tension": ResultVariable(("link",), "N", "tension in the link"),
     "strain": ResultVariable(("link",), "1", "strain of the link"),
     "contact_position": ResultVariable(("contact", "axis"), "m", "position of the contact"),
-    "contact_force": ResultVariable(
-        ("contact", "axis"), "N", "force on the line at the contact, driving force included"
-    ),
+    "contact_force": ResultVariable(("contact", "axis"), "N", "force on the line at the contact, with driving force"),
     "hold_force": ResultVariable(
         ("contact", "axis"), "N", "driving force along the path that the prescribed travel requires"
     ),
@@ -106,9 +104,7 @@ VARIABLES: Mapping[str, ResultVariable] = {
     "contact_change": ResultVariable(
         ("compared", "axis"), "m", "change of the contact position from the mesh with half the elements"
     ),
-    "exchange_work": ResultVariable(
-        ("foreign",), "J", "energy exchanged through the interface so far, both directions"
-    ),
+    "exchange_work": ResultVariable(("foreign",), "J", "sum of energies exchanged through the interface so far"),
     "exchange_residual": ResultVariable(("foreign",), "J", "energy error of the exchange with the model so far"),
     "exchange_peak": ResultVariable(
         ("foreign",), "J", "largest energy error in one interval of exchange since the last output"

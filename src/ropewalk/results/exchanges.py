@@ -43,7 +43,7 @@ def exchanging(cosimulation: Sequence[CosimulationMaster], run_info: RunInfo) ->
 
 
 def exchanged(cosimulation: Sequence[CosimulationMaster], run_info: RunInfo) -> dict[str, Array]:
-    """What has gone through all interfaces, by the names of `Frame`; what is to be remarked goes to the account."""
+    """What has gone through all interfaces, by the names of `Frame`; what is to be reported goes to the account."""
     if not cosimulation:
         return {}
     for partner in cosimulation:

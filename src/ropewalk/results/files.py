@@ -73,7 +73,7 @@ def open_result(path: str | Path, *, lazy: bool | None = None) -> xr.Dataset:
 
 
 def beside(path: Path, what: str) -> Path:
-    """A hidden file beside another one."""
+    """A hidden file next to another one."""
     return path.with_name(f".{path.name}.{what}")
 
 

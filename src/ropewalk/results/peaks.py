@@ -13,7 +13,7 @@ EDGE = 2  # samples after entering and before leaving whose peaks are impulses o
 
 
 def lonely(values: Array) -> int | None:
-    """Find the largest of values, if it is alone: many times those beside it and the usual one, and at neither end.
+    """Find the largest of values, if it is alone: many times those next to it and the usual one, and at neither end.
 
     Args:
         values: (sample,) not negative; NaN where there is nothing.
@@ -30,7 +30,7 @@ def lonely(values: Array) -> int | None:
 
 
 def sharp(values: Array) -> int | None:
-    """Find the largest of values, if it stands out from the mean of the two beside it by a good part of itself.
+    """Find the largest of values, if it stands out from the mean of the two next to it by a good part of itself.
 
     Of a sine with n values in a period that is A (1 - cos(2 pi / n)).
 

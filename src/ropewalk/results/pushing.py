@@ -54,7 +54,6 @@ class PushWatch:
         if push > _MUCH * self._largest:
             when, unit = ("t =", "s") if self._layout.path == "time" else ("load path", "m")
             yield (
-                f"tension-only line {line} transmits a compressive force of {push:.4g} N at {when} {path:.4g} "
-                f"{unit}: its "
+                f"tension-only line {line} has a compressive force of {push:.4g} N at {when} {path:.4g} {unit}: its "
                 "axial_damping acts in slack links, too; repeat the run with half of it and compare the results"
             )

@@ -43,7 +43,7 @@ class MotionEngine(Protocol):
 
     @property
     def looks_ahead(self) -> bool:
-        """Whether the frame of an instant needs the step after it: a longer run goes on from before the last one."""
+        """Whether the frame of an instant needs the step after it: a longer run continues from before the last one."""
 
     @property
     def together(self) -> bool:
@@ -257,7 +257,7 @@ class Run(Protocol):
 
 
 def followed(frames: Iterator[Frame], run_info: RunInfo) -> Iterator[Frame]:
-    """Frames of slow motion; one that ends where there is no equilibrium keeps those before.
+    """Frames of quasi-static motion; one that ends where there is no equilibrium keeps those before.
 
     Raises:
         RopewalkError: there is not even the first one.

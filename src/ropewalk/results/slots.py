@@ -102,7 +102,7 @@ def newest(file: Any, frames: int) -> Tree | None:
 
 
 def digests(scenario: Scenario) -> dict[str, str]:
-    """SHA-256 of the files, beside stored results, that a scenario takes its data from, by the keys that name them."""
+    """SHA-256 of the files, next to stored results, that a scenario takes its data from, by the keys that name them."""
     named = {
         f"loads.{name}.{key}": getattr(load, key, None)
         for name, load in scenario.loads.items()

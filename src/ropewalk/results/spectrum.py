@@ -42,7 +42,7 @@ class Spectrum:
     real_branches: bool
     """Whether some modes are damped beyond oscillation."""
     unstable: int
-    """Number of eigenvalues with a positive real part: directions in which the line, in compression, gives way."""
+    """Number of eigenvalues with a positive real part: directions in which the line, in compression, yields."""
     growth_rate: float
     """Largest positive real part, 1/s; 0 if stable."""
     neutral: int

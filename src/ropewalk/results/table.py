@@ -20,7 +20,7 @@ SUPPORTS, LARGEST = 8, 3  # with more supports than this only so many of them ge
 ROUND_OFF = 1e-9  # m: what is no further aside has not left its plane, what is lifted no higher is at rest
 ZERO = 1e-9  # of the largest of its kind: what is no larger is rounding, and written as zero
 NOTHING = 1e-5  # of the largest of its kind: what is no larger gets no row
-_PULLS = 0.01  # of the largest one, from which on a force upwards is told apart
+_PULLS = 0.01  # of the largest one, from which on a force upwards is distinguished
 _MOST_FRICTION = 2.0  # coefficient above which no two surfaces rub
 ENERGY_LABELS = {
     "kinetic": "kinetic",
@@ -193,7 +193,7 @@ def _place(found: Summary, say: Column) -> str:
 
 
 def _components(force: Summary, say: Column) -> Iterator[str]:
-    """The ranges of the components that are anything beside the whole."""
+    """The ranges of the components that are anything compared with the whole."""
     for axis, span in force["components"].items():
         if span["min"] is not None and max(abs(span["min"]), abs(span["max"])) > NOTHING * force["value"]:
             yield f"{axis}: {say.span(span['min'], span['max'], 'N')}"
@@ -316,7 +316,7 @@ def _overhead_rows(name: str, found: Summary, say: Column) -> Iterator[Row]:
 
 
 def _contact_rows(name: str, contact: Summary, say: Column, largest: float) -> Iterator[Row]:
-    """What a load does; `largest` is the largest force of the result, beside which others may be nothing."""
+    """What a load does; `largest` is the largest force of the result, compared with which others may be nothing."""
     yield f"Load {name}", "", ""
     share = contact["share_on_line"]
     if not share:

@@ -15,15 +15,15 @@ from ropewalk.results.files import ResultError, beside, check_result, is_netcdf
 if TYPE_CHECKING:
     from ropewalk.model import Scenario
 
-_LONGEST = 240  # bytes of the name of a file, which has to leave room for the names of those beside it
+_LONGEST = 240  # bytes of the name of a file, which has to leave room for the names of those next to it
 
 
 def check_target(file: Path) -> Path:
     """Make sure that a result can be written to `file`, without touching anything, and give its full path.
 
     Raises:
-        ResultError: the folder is missing or not writable, `file` is a folder or a file of another kind, or somebody
-            else is writing it.
+        ResultError: the folder is missing or not writable, `file` is a folder or a file of another kind, or another
+            process is writing it.
     """
     try:
         with suppress(FileNotFoundError):  # else there is no loop of links, which resolve takes for a file from 3.13 on
@@ -91,10 +91,10 @@ def _names(tree: Any) -> tuple[tuple[str, ...], ...]:
 def alone(path: Path) -> Iterator[None]:
     """Keep a result to oneself, whether it is there yet or not, as long as nobody else does.
 
-    A hidden file beside it is locked, and says who does. It goes with its lock; a kill leaves it, unlocked.
+    A hidden file next to it is locked, and says who does. It goes with its lock; a kill leaves it, unlocked.
 
     Raises:
-        ResultError: somebody else does.
+        ResultError: another process does.
     """
     try:
         import fcntl

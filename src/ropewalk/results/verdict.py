@@ -42,7 +42,7 @@ WATCHES = (
     GivenTensionWatch,
 )  # fmt: skip
 """Watches that see all frames and have warnings at the end."""
-VANISHING = 1e-100  # N: small motion begins with a little more than nothing
+VANISHING = 1e-100  # N: linearised motion begins with a little more than nothing
 UNBALANCED = 1e-3  # of all weights: what the support forces at rest may miss
 NOTHING = 1e-10  # of the largest tension, or of the weight of the line: a load that presses less does not press
 _GROWING = ("pantograph",)  # loads whose forces grow from nothing
@@ -165,7 +165,7 @@ class Watch:
         return run.kind == "equilibrium" or (run.kind == "dynamic" and run.start.kind == "rest")
 
     def _in_waves(self, of: Mapping[str, Array]) -> Array:
-        """Speeds of contacts over those of transverse waves in the looser part beside them; zero where unknown."""
+        """Speeds of contacts over those of transverse waves in the looser part next to them; zero where unknown."""
         pull, speed = of["contact_tension"].min(axis=2), np.abs(of["contact_speed"])
         known = np.isfinite(pull) & (speed > 0.0)
         return np.where(known, speed * self._slowness / np.sqrt(np.where(known, np.maximum(pull, 1e-300), 1.0)), 0.0)
@@ -281,7 +281,7 @@ class Watch:
 
 
 def _runs_of(names: Sequence[str]) -> tuple[list[str], list[int]]:
-    """Names that stand beside each other, each once, and where they begin."""
+    """Names that stand next to each other, each once, and where they begin."""
     begin = [i for i, name in enumerate(names) if i == 0 or name != names[i - 1]]
     return [names[i] for i in begin], begin
 

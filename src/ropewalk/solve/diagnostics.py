@@ -65,13 +65,7 @@ class Diagnostics:
             text = f"needs a friction coefficient of {needed:.3g}, more than the given {given:g}"
             return [(load, "friction", text)]
         if kind == COULOMB and hold != 0.0:
-            return [
-                (
-                    load,
-                    "friction",
-                    f"slips: friction {given:g} is too small to hold it, a driving force of {hold:.4g} N is added",
-                )
-            ]
+            return [(load, "friction", f"slips at friction {given:g}: a driving force of {hold:.4g} N is added")]
         return []
 
 

@@ -90,13 +90,7 @@ class Folder:
         if len(text.encode()) > LARGEST_TEXT:
             raise RopewalkError("the text is larger than 1 MB")
         if (is_now := _stamp(file)) != (stamp or ""):
-            what = (
-                "exists already"
-                if not stamp
-                else "has changed on disk since it was opened"
-                if is_now
-                else "was deleted"
-            )
+            what = "exists already" if not stamp else "was changed on disk after opening" if is_now else "was deleted"
             raise RopewalkError(f"{name}: {what}; open it again, or save under another name")
         made = file.with_name(f".{file.name}.{os.getpid()}.new")
         try:

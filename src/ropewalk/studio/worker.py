@@ -129,9 +129,7 @@ class ComputingProcess:
         for name, line in scenario.lines.items():
             if isinstance(elements := getattr(line, "elements", None), int) and elements > MOST_NODES:
                 remedy = f"write at most {MOST_NODES}, or run it from the command line"
-                raise ScenarioError(
-                    [Problem(f"lines.{name}.elements", "is too large for the studio", str(elements), remedy)]
-                )
+                raise ScenarioError([Problem(f"lines.{name}.elements", "is too large here", str(elements), remedy)])
 
     def _do_check(self, asked: Answer) -> Answer:
         """Every mistake in a text."""

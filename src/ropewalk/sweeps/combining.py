@@ -97,12 +97,7 @@ def _for_effects(parameters: Sequence[Parameter], how: str, count: int, seed: in
         endless = parameter.drawn is not None and parameter.drawn.kind in ("normal", "lognormal")
         if how == "morris" and endless:
             remedy = "write uniform(LOW, HIGH), or combine: saltelli"
-            refuse(
-                parameter.key,
-                "morris requires a lowest and a highest value, which this distribution does not have",
-                "",
-                remedy,
-            )
+            refuse(parameter.key, "morris requires a lowest and a highest value, and this has none", "", remedy)
     return points(len(parameters), how, count, seed)
 
 

@@ -18,7 +18,7 @@ from ropewalk.sweeps.keys import leaves, overlap, short_names, unit_at
 from ropewalk.sweeps.parameters import Parameter, numbers, parameters_of, refuse, setting
 
 TEXT = ("outcome", "doubts", "reason", "seconds", "case")
-"""What a table tells beside parameters and quantities."""
+"""What a table tells next to parameters and quantities."""
 RESERVED = ("parameter", "quantity")
 """Names of dimensions over which the effects of parameters are told."""
 

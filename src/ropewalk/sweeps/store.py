@@ -67,7 +67,7 @@ class Store:
         if self._handle < 0 or os.fstat(self._handle).st_size <= self._read_to:
             return
         data = _read(self._handle, self._read_to)
-        data = data[: data.rfind(b"\n") + 1]  # somebody may be writing
+        data = data[: data.rfind(b"\n") + 1]  # another process may be writing
         for line in data.splitlines():
             self._lines += 1
             try:

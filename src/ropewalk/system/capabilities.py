@@ -207,10 +207,7 @@ def _over_saddles(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
     if isinstance(run, Dynamic) and run.start.kind == "result":
         for saddle, own in line.saddles.items():
             if not isinstance(own.support, Fixed):  # results do not hold where it stands
-                path, remedy = (
-                    ("lines", name, "saddles", saddle, "support"),
-                    ("start from equilibrium, or use fixed saddles"),
-                )
+                path, remedy = ("lines", name, "saddles", saddle, "support"), "start from equilibrium, or fix saddles"
                 yield missing(path, "runs that begin from a result", own.support.kind, remedy)
 
 

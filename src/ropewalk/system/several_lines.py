@@ -21,12 +21,7 @@ def of_several_lines(parts: Parts) -> Iterator[Finding]:
         if not isinstance(load, Trolley) or not load.also_on:
             continue
         if load.lift_off:
-            yield missing(
-                ("loads", name, "lift_off"),
-                _WHAT,
-                "true",
-                "leave it out: forces that lift a line are reported as a loss of contact",
-            )
+            yield missing(("loads", name, "lift_off"), _WHAT, "true", "leave it out: lifting makes the run doubtful")
         for key in load.lines:
             line = parts.lines.get(key)
             for block in ("sheaves", "cut") if line is not None else ():

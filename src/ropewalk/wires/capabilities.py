@@ -94,11 +94,7 @@ def _on_inner_supports(parts: Parts) -> Iterator[Finding]:
                 remedy = "leave it out, or ask for kind: dynamic with geometry: nonlinear"
                 path, feature = ("lines", name, "supports", key, "mass"), "a mass on an inner support"
                 yield missing(
-                    path,
-                    "linearised motion, equilibrium and spectrum of beams",
-                    f"{mass:g} kg",
-                    remedy,
-                    feature=feature,
+                    path, "statics, spectrum and linearisation of beams", f"{mass:g} kg", remedy, feature=feature
                 )
 
 

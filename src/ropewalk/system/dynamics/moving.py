@@ -218,9 +218,7 @@ class SystemMotion:
             )
         elif asked.method == "rkn6":
             self._method, run_info.method = RKN6, "rkn6"
-            run_info.reason = (
-                "requested: sixth order for all nodes and bodies; contacts on a spline of the fourth order"
-            )
+            run_info.reason = "requested: sixth order for nodes and bodies; contacts on a spline of the fourth order"
             frequency = stability.largest_frequency(*parts)
             safe = RKN6_LIMIT / max(frequency, 1e-300)
             longest = (self.structure.runs.h * self.structure.runs.links).max(

@@ -86,14 +86,12 @@ def remark_inertia(run_info: RunInfo, factor: float, structure: Structure, rest:
         line: (run,) whose run each is.
     """
     run_info.warnings.append(
-        f"run.axial_inertia of {factor:g} slows longitudinal waves by a factor of {factor**0.5:.3g}: tensions spread "
-        "later"
+        f"run.axial_inertia of {factor:g} slows longitudinal waves by a factor of {factor**0.5:.3g}: tensions "
+        "spread later"
     )
     for bodies, found in (("saddles", structure.saddles), ("sheaves", structure.sheaves)):
         if found is not None:
-            run_info.warnings.append(
-                f"run.axial_inertia multiplies the mass of lines that slide over {bodies} by {factor:g}"
-            )
+            run_info.warnings.append(f"run.axial_inertia multiplies masses that slide over {bodies} by {factor:g}")
     runs, along = structure.runs, tangents(structure, rest)
     for name in dict.fromkeys(line):
         own = [s for s, other in enumerate(line) if other == name]
@@ -102,8 +100,7 @@ def remark_inertia(run_info: RunInfo, factor: float, structure: Structure, rest:
         if (more := (factor - 1.0) * _across(rest, along, parts)) > MUCH:
             run_info.doubt(
                 f"{name} has so much sag that its transverse motion has {100.0 * more:.2g} % more inertia",
-                "transverse motion of a sagging line has a longitudinal part", "run.axial_inertia", "leave "
-                                                                                                    "axial_inertia out",
+                "transverse motion of a sagging line has a longitudinal part", "run.axial_inertia", "leave it out",
             )  # fmt: skip
 
 

@@ -191,7 +191,7 @@ def judge_hauling_ropes(
         assert haul is not None
         found, slipped = Hauling.of(frames.of["haul_tension"][:, row]), frames.of["haul_slip"][:, row]
         slack = found.pull <= _SLACK * haul.axial_stiffness
-        _warn(run_info, frames.path, slack, f"the hauling rope of {name} is slack", f"the carriage is then not driven")
+        _warn(run_info, frames.path, slack, f"the hauling rope of {name} is slack", "the carriage is then not driven")
         if haul.sheave is not None:
             bears = math.exp(haul.sheave.friction * haul.sheave.wrap)
             what = f"the hauling rope of {name} slips on the sheave of its drive"
