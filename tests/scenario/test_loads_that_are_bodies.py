@@ -348,7 +348,7 @@ def test_a_model_may_be_an_object_that_no_file_can_hold() -> None:
         "loads.mass.travel.drive",
         "loads.mass.travel.driver.speed",
     ]
-    assert "write its class or function as text, module:name" in str(caught.value)
+    assert "write its class or function as module:name" in str(caught.value)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert "test_loads_that_are_bodies.Cat" in scenario_text(scenario)

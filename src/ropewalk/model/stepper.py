@@ -38,7 +38,7 @@ class _Model:
 
     def write(self, value: Any) -> str:
         if not isinstance(value, str):
-            raise ValueError("an object cannot be written; write its class or function as text, module:name")
+            raise ValueError("an object cannot be written; write its class or function as module:name")
         return value
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
