@@ -129,7 +129,7 @@ def _of_beams(parts: Parts) -> Engine:
 
 
 def _refused(engine: Engine, parts: Parts) -> int:
-    """How much of what is asked an engine does not support."""
+    """How much of the analysis an engine does not support."""
     table = engine.motion if isinstance(parts.run, Dynamic) else engine.at_rest
     return sum(1 for _ in table.unsupported(parts))
 

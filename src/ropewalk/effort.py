@@ -73,7 +73,7 @@ def effort_of(scenario: Scenario, run: Run, run_info: RunInfo) -> Effort | None:
     """What is to be expected of a run that is ready to begin; None of one that is no motion.
 
     Args:
-        scenario: what is computed.
+        scenario: the scenario.
         run: of it.
         run_info: of it, where its engine has noted method and step.
     """

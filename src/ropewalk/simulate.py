@@ -58,13 +58,13 @@ def simulate(
     """Run a scenario.
 
     Args:
-        scenario: what is there and what is asked.
+        scenario: structure, loads and analysis.
         file: NetCDF file to write while running; None keeps the result in memory. One that is there is replaced with
             the first frame, if it holds a result of the same scenario, as it is or as it was.
         overwrite: whether the result of another scenario is replaced, too.
         progress: called with the part that is done, 0 to 1.
         seen: called with the layout, with frames as they come and with how the run goes, to look at it meanwhile.
-        begun: called with a run that is ready to begin and with what is known of it then; not with those of several
+        begun: called with a run that is ready to begin and with its estimated steps and time; not with those of several
             meshes.
         opened: what opens the file at the end.
 
@@ -209,7 +209,7 @@ def run_of(scenario: Scenario, run_info: RunInfo, times: Array | None = None, pa
     """A scenario ready to run.
 
     Args:
-        scenario: what is there and what is asked.
+        scenario: structure, loads and analysis.
         run_info: filled in.
         times: of a motion, its output instants in s (default: those that it asks for).
         past: what such a run has given as its state, to go on from there.
@@ -363,7 +363,7 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
     """Find the spectrum of a scenario.
 
     Args:
-        scenario: what is there.
+        scenario: the scenario.
         at: instant of its dynamic run in s, loads in their places. None: at rest, without the loads for a dynamic run
             (unless it starts with them), with the loads at their start for a run without time.
         how_many: as for `spectrum`.

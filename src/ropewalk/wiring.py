@@ -190,7 +190,7 @@ def _diagnostics(section: Section) -> Iterator[str]:
 
 
 def _unseen(name: str, line: OverheadLine) -> Iterator[str]:
-    """What is declared of an overhead line and makes no difference to its linearised motion."""
+    """Keys of an overhead line without effect on its linearised motion."""
     if line.ends == "anchored" and line.condition is None:
         yield f"overhead_lines.{name}.ends: in linearised motion tensions are constant, whatever holds the ends"
     if line.messenger_supports.along == "held":

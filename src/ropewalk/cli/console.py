@@ -304,7 +304,7 @@ def _in_lines() -> Report:
 
 
 def foreseen(file: Path, scenario: Scenario) -> tuple[str, list[str]]:
-    """What a run will be, in words, and what is to be remarked of how it begins; leaves where it would not begin."""
+    """What a run will be, in words, and warnings of its start; fails if it would not start."""
     from ropewalk.cli.deadline import Overdue, deadline
     from ropewalk.effort import foreseen as words
     from ropewalk.errors import RopewalkError
@@ -320,7 +320,7 @@ def foreseen(file: Path, scenario: Scenario) -> tuple[str, list[str]]:
 
 
 def foretell(scenario: Scenario) -> Callable[[Run, RunInfo], None]:
-    """Say of a run that begins what is to be remarked of it already, and how long it will be if that is long."""
+    """Print the warnings of a run that begins, and its estimated time if that is long."""
 
     def begun(run: Run, run_info: RunInfo) -> None:
         from ropewalk.effort import effort_of

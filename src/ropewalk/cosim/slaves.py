@@ -139,7 +139,7 @@ class ExportedSlave(Fmi2Slave):  # type: ignore[misc]
 
     def _begin(self) -> None:
         if not self._ready:
-            self._ready = True  # what is asked below may ask again
+            self._ready = True  # the model may ask again
             self.before = {name: self.inputs[name] for name in self.before}
             self.begin()
 

@@ -68,7 +68,7 @@ class Bearer:
 
 @dataclass(slots=True)
 class _KeptContact:
-    """What is remembered of a contact that stays where it is or slides along."""
+    """Stored state of a contact that stays where it is or slides along."""
 
     place: Array  # (axis,) m, at the last exchange
     seen: Array  # (axis,) m, as the model saw it

@@ -251,7 +251,7 @@ def _items(variable: Any) -> dict[str, int]:
 
 
 def _misfit(variable: Any, value: Value) -> str | None:
-    """What is wrong with the value of a variable."""
+    """Problems of the value of a variable."""
     kind = variable.type
     if variable.shape:
         return "is an array, of which values cannot be set"

@@ -27,7 +27,7 @@ _SLOPE = 0.005
 
 
 class _Past(NamedTuple):
-    """What is remembered of a contact, the newest first."""
+    """Stored state of a contact, the newest first."""
 
     heights: tuple[float, ...] = ()  # m, that it has been at
     places: tuple[float, ...] = ()  # m, xi that it has been at

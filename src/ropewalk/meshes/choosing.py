@@ -63,7 +63,7 @@ def _chosen(scenario: Scenario, start: Start, record: Record) -> xr.Dataset:
             if (level := _level(meshes, wanted, links_in(base))) is None:
                 meshes.append(computed(scaled(base, RATIO ** len(meshes)), start, meshes))
                 continue
-        except RopewalkError:  # too coarse for what is asked, as long as that is not known to have another reason
+        except RopewalkError:  # too coarse, as long as that is not known to have another reason
             first *= RATIO
             if first > MOST_AT_FIRST:
                 raise

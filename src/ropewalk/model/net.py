@@ -85,7 +85,7 @@ class Sheet(Declaration):
     drag: Rate = Field(default=0.0, description="mass-proportional damping: force -drag * mass * velocity")
 
     def layout(self) -> list[Finding]:
-        """Find what is wrong with where it is laid out."""
+        """Find problems of where it is laid out."""
         findings = []
         if (self.boundary is None) == (self.corner is None and self.sides is None):
             remedy = "give corner and sides (a parallelogram), or boundary and spacing (any outline)"

@@ -33,7 +33,7 @@ class CloseContactsWatch:
 
     Args:
         layout: of the frames.
-        scenario: what is run.
+        scenario: the scenario.
     """
 
     def __init__(self, layout: Layout, scenario: Scenario) -> None:

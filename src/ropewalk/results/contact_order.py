@@ -25,7 +25,7 @@ class ContactOrderWatch:
 
     Args:
         layout: of the frames.
-        scenario: what is run.
+        scenario: the scenario.
     """
 
     def __init__(self, layout: Layout, scenario: Scenario) -> None:

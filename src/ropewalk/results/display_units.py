@@ -89,7 +89,7 @@ class DisplayUnits:
 
         Args:
             unit: SI unit of the numbers; `strain` for strains.
-            values: numbers or arrays; what is not finite does not count.
+            values: numbers or arrays; values that are not finite do not count.
         """
         if unit not in self.steps:
             return DisplayUnit("" if unit in ("1", "strain") else unit, 1.0)

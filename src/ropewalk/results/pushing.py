@@ -26,7 +26,7 @@ class PushWatch:
 
     Args:
         layout: of the frames.
-        scenario: what is run.
+        scenario: the scenario.
     """
 
     def __init__(self, layout: Layout, scenario: Scenario) -> None:

@@ -285,7 +285,7 @@ class _File:
             raise WriteError(f"{self.path}: cannot be created ({problem}); is the disk full?") from problem
 
     def _reopen(self, run_info: RunInfo) -> None:
-        """Go on in a file: it tells from now on what is asked now."""
+        """Go on in a file: it serves the present request from now on."""
         import netCDF4
 
         assert self._past is not None

@@ -23,7 +23,7 @@ class StartPositionWatch:
 
     Args:
         layout: of the frames.
-        scenario: what is run.
+        scenario: the scenario.
     """
 
     def __init__(self, layout: Layout, scenario: Scenario) -> None:

@@ -28,7 +28,7 @@ class StrengthWatch:
 
     Args:
         layout: of the frames.
-        scenario: what is run.
+        scenario: the scenario.
     """
 
     def __init__(self, layout: Layout, scenario: Scenario) -> None:

@@ -48,7 +48,7 @@ def validate(source: Source) -> Scenario:
 
 
 def in_declaration(error: ValidationError, declaration: type[Declaration], keys: dict[str, Any]) -> list[Problem]:
-    """What is wrong with a declaration made in Python, in the words in which a file is told.
+    """Problems of a declaration made in Python, in the words in which a file is told.
 
     Args:
         error: pydantic's.

@@ -138,7 +138,7 @@ def table_text(dataset: xr.Dataset) -> str:
 
 
 def _records(frame: Any) -> list[dict[str, Any]]:
-    """The rows of a table; what is not there is None."""
+    """The rows of a table; None for absent parts."""
     return [
         {name: None if isinstance(value, float) and value != value else value for name, value in row.items()}
         for row in frame.to_dict(orient="records")

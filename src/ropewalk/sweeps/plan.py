@@ -117,7 +117,7 @@ def asked(
     count: int | None = None,
     seed: int | None = None,
 ) -> Sweep:
-    """What is asked of a sweep: what the scenario says of it, with what is given here in its place.
+    """Definition of a sweep: that of the scenario, with the given parts replaced.
 
     Raises:
         ScenarioError: nothing varies, or something does not go together.
