@@ -131,17 +131,14 @@ def _prepared(scenario: Scenario) -> tuple[str, list[str]]:
     if is_asked_for(scenario.parts):
         return "dynamic: on several meshes", []
     if (nodes := nodes_of(scenario.parts)) > MOST_NODES:
-        return f"a motion of {nodes} nodes, step size determined at the start", []
+        return f"dynamic: {nodes} nodes, step size determined at the start", []
     if how_long := must_compile(scenario):
-        return (
-            f"dynamic: steps and run time are estimated once its kernels are compiled (once, {how_long})",
-            [],
-        )
+        return f"dynamic: steps and run time are estimated once its kernels are compiled (once, {how_long})", []
     run_info = RunInfo()
     ready = run_of(scenario, run_info)
     effort, warnings = effort_of(scenario, ready, run_info), list(run_info.warnings)
     if effort is None or not isinstance(ready, TimeHistory):
-        return "a motion", warnings
+        return "dynamic", warnings
     return f"dynamic: {_piloted(effort, ready, run_info)}", warnings
 
 

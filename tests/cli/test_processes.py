@@ -44,7 +44,7 @@ def test_stdout_and_stderr_are_separate_and_without_a_bar_when_not_terminals(sta
         stdout, stderr = run.communicate(timeout=120)
     assert run.returncode == 0
     assert "largest tension" in stdout
-    assert stderr == "result in rope.nc\n"
+    assert stderr == "result written to rope.nc\n"
 
 
 def test_a_terminal_gets_a_bar_on_stderr_only(scenario, folder):

@@ -370,7 +370,7 @@ def test_the_command_goes_on_and_ends_as_run_does(tmp_path, monkeypatch):
     assert out.exit_code == 0, out.output
     assert "largest tension" in out.stdout
     assert out.stderr.startswith("continuing from t = ")
-    assert out.stderr.endswith("result in out.nc\n")
+    assert out.stderr.endswith("result written to out.nc\n")
     out = call(["resume", "out.nc", "--until", "400 ms", "--json"])
     assert (out.exit_code, json.loads(out.stdout)["outcome"]) == (0, "completed")
     assert open_result("out.nc")["time"].values[-1] == pytest.approx(0.4)
