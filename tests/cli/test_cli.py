@@ -182,7 +182,7 @@ def test_new_writes_a_scenario_that_runs_and_overwrites_nothing(call, folder):
 
 def test_check_says_fine_and_what_the_run_is_and_writes_nothing(call, scenario, folder):
     out = call("check", scenario())
-    assert (out.exit_code, out.stdout) == (0, "rope.yaml: valid (Rope: rope, walker; dynamic)\na motion\n")
+    assert (out.exit_code, out.stdout) == (0, "rope.yaml: valid (Rope: rope, walker; dynamic)\ndynamic\n")
     assert [p.name for p in folder.iterdir()] == ["rope.yaml"]
 
 

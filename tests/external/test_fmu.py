@@ -224,7 +224,7 @@ def test_start_values_move_the_mass(folder: Path, version: int, models: list[Fmu
 
 MISHAPS = [
     ("discard", "refuses the step from t = 0.02 s to 0.03 s .*DoStep: discard"),
-    ("error", "refuses the step from t = 0.02 s.*error.*it said: the spring is broken"),
+    ("error", "refuses the step from t = 0.02 s.*error.*its log: the spring is broken"),
     ("fatal", "refuses the step from t = 0.02 s.*fatal"),
     ("nan", "gives no number for force at t = 0.03 s"),
     ("refuse_to_begin", "cannot be initialised.*EnterInitializationMode: error.*I had rather not begin"),
@@ -366,7 +366,7 @@ def test_fmus_of_python_with_modules_of_one_name_are_each_their_own(tmp_path: Pa
 @pytest.mark.parametrize(
     ("mood", "said"),
     [
-        ("raise", "refuses the step from t = 0 s to 0.01 s.*it said: Fatal py exception"),
+        ("raise", "refuses the step from t = 0 s to 0.01 s.*its log: Fatal py exception"),
         ("refuse", "refuses the step from t = 0 s.*discard.*not today"),
         ("nan", "gives no number for force"),
     ],

@@ -101,7 +101,7 @@ def test_a_load_that_is_set_down_is_reported_and_an_equilibrium_or_a_start_at_an
 @pytest.mark.parametrize(
     ("load", "more", "says", "remedy"),
     [
-        (mass(), {"gravity": 0.0}, "(gravity); give gravity", {"gravity": 9.81}),
+        (mass(), {"gravity": 0.0}, "(gravity); write gravity", {"gravity": 9.81}),
         (
             {"kind": "force", "force": [0.0, 0.0], "travel": {"speed": 10.0, "from": 1.0}}, {},
             "(loads.w.force); give it a force",
