@@ -32,7 +32,7 @@ OURS = ("ropewalk", "numpy", "numba")
 NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.])")
 
 TABLES = {
-    "peers": ("The same chain beside other packages", "-m benchmarks peers"),
+    "peers": ("The same chain compared with other packages", "-m benchmarks peers"),
     "damped": ("One rope of it: 200 links, damped", "-m benchmarks.peers --case damped-200"),
     "continuum": ("What sharing the force between nodes costs", "-m benchmarks continuum"),
     "cost": ("Cost per node and step", "-m benchmarks cost"),
@@ -40,20 +40,20 @@ TABLES = {
     "statics": ("Thousands of places of a load", "-m benchmarks statics"),
     "theory": ("Closed forms on large fields", "-m benchmarks theory"),
     "crossings": ("All trains at all speeds", "-m benchmarks crossings"),
-    "mesh": ("The error of the mesh beside what is told of it", "-m benchmarks mesh"),
+    "mesh": ("The error of the mesh compared with the estimate", "-m benchmarks mesh"),
     "accuracy": ("Error of a path over CPU time, against exact ones", "-m benchmarks accuracy"),
     "bodies": ("Moving bodies", "-m benchmarks bodies"),
     "nets": ("A mass that crosses a net", "-m benchmarks nets"),
     "overhead": ("Overhead lines against real time", "-m benchmarks overhead"),
     "cosim": ("An exchange with an FMU", "-m benchmarks cosim"),
     "output": ("Instants of output, first runs, large results", "-m benchmarks output"),
-    "throughput": ("Sweeps beside a loop", "-m benchmarks throughput"),
+    "throughput": ("Sweeps compared with a loop", "-m benchmarks throughput"),
     "many": ("Many runs in one sweep", "-m benchmarks many --whole"),
     "endurance": ("Long runs, large lines", "-m benchmarks endurance"),
     "gate": ("Two schemes for contacts, one exact answer", "-m benchmarks gate"),
     "studio": ("Moves, films and memory of the studio", "-m benchmarks studio"),
-    "vbi2d": ("Beside VBI-2D", "-m benchmarks.vbi2d FOLDER"),
-    "ttb2d": ("Beside TTB-2D", "-m benchmarks.ttb2d FOLDER"),
+    "vbi2d": ("Comparison with VBI-2D", "-m benchmarks.vbi2d FOLDER"),
+    "ttb2d": ("Comparison with TTB-2D", "-m benchmarks.ttb2d FOLDER"),
 }
 """Titles and commands, by name."""
 
@@ -184,7 +184,7 @@ or that there was none. Settings of the other packages that are coarser or finer
 than of theirs; how, and what is unfair in which direction, is in [the note on speed](notes/speed.md).
 """
 
-NOT_RUN = "Each was run on the day on which its numbers were written, or before; machine and conditions are told there."
+NOT_RUN = "Each was run on the day on which its numbers were written, or before; machine and conditions are given there."
 
 
 def main() -> None:

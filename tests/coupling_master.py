@@ -42,7 +42,7 @@ class Part(Protocol):
 
 
 class Link(NamedTuple):
-    """An output that is somebody else's input."""
+    """An output of one simulator that is an input of another."""
 
     giver: str
     output: str
@@ -198,7 +198,7 @@ class Master:
 
     Args:
         parts: by name; in the sequential scheme the first goes ahead.
-        links: what is handed over.
+        links: the exchanged values.
         start: (part, input): value at the beginning of what is linked.
         given: (part, input): what it is at an instant in s, known beforehand.
         scheme: sequential (Gauss-Seidel) or parallel (Jacobi).

@@ -39,7 +39,7 @@ def taut_string(
 def long_string(elements: int, speed: float, contact: str, until: float, **run: Any) -> Scenario:
     """The string of the self-similar solution: EA = rho = 1, prestrain 0.05, a force of 0.01 EA from the middle.
 
-    It is 2 m long, so that no wave comes back from its ends before t = 1 s.
+    It is 2 m long, so that no wave returns from its boundaries from its ends before t = 1 s.
     """
     return Scenario(
         gravity=0.0,

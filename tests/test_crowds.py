@@ -140,7 +140,7 @@ def test_a_crowd_on_a_net_goes_along_its_path() -> None:
 
 
 def test_a_crowd_on_a_net_needs_a_path() -> None:
-    with pytest.raises(ScenarioError, match=r"loads\.people\.path: .*a load on a net needs it"):
+    with pytest.raises(ScenarioError, match=r"loads\.people\.path: .*required for a load on a net"):
         read(FILE.format(keys="on: net, number: 5", more=NET, run="dynamic, until: 1 s"))
 
 

@@ -61,7 +61,7 @@ def test_axial_damping_that_makes_a_long_run_longer_is_told() -> None:
     """The stable step is z + sqrt(1 + z^2) times shorter, with z = c/(h sqrt(EA m)) = 11.0 here."""
     many = (*COARSE, "run.until=20 s", "run.every=1 s", "lines.track.axial_damping=5.6 MN*s")
     (told,) = [text for text in foreseen(scenario("ropeway-tower-brake", *many))[1] if "axial_damping" in text]
-    assert told.startswith("lines.track.axial_damping makes the step 22 times shorter")
+    assert told.startswith("lines.track.axial_damping reduces the stable step by a factor of 22")
 
 
 def test_what_damping_costs_is_told_of_lines_that_hang_slack_as_if_they_were_taut() -> None:

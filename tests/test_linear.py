@@ -154,7 +154,7 @@ def test_kinetic_and_elastic_energy_are_those_of_the_theory() -> None:
 
 
 def test_a_slack_line_has_no_linear_theory() -> None:
-    with pytest.raises(EquilibriumError, match=r"needs a tension at rest; give tension"):
+    with pytest.raises(EquilibriumError, match=r"requires a tension in equilibrium; write tension"):
         linear(string(tension=None, length=1.2), force(0.5))
 
 

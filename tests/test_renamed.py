@@ -20,7 +20,7 @@ from ropewalk.renamed import with_old_arguments
 ])  # fmt: skip
 def test_an_old_name_is_the_new_one_with_a_warning(module: str, old: str, new: str) -> None:
     home = import_module(module)
-    with pytest.warns(DeprecationWarning, match=f"{old} is called .*{new} now"):
+    with pytest.warns(DeprecationWarning, match=f"{old} was renamed to .*{new}"):
         found = getattr(home, old)
     assert found is getattr(home, new)
 
@@ -30,14 +30,14 @@ def test_an_old_argument_is_the_new_one_with_a_warning() -> None:
     def asked(*, model: str) -> str:
         return model
 
-    with pytest.warns(DeprecationWarning, match=r"asked\(rung=...\) is called asked\(model=...\) now"):
+    with pytest.warns(DeprecationWarning, match=r"asked\(rung=...\) was renamed to asked\(model=...\)"):
         assert asked(**{"rung": "linear"}) == "linear"
     assert asked(model="full") == "full"
 
 
 def test_an_old_argument_of_a_closed_form_is_the_new_one_with_a_warning() -> None:
     rope = {"span": 10.0, "length": 11.0, "weight": 1.0, "loads": [(4.0, (0.0, -5.0))]}
-    with pytest.warns(DeprecationWarning, match="held is called restrained now"):
+    with pytest.warns(DeprecationWarning, match="held was renamed to restrained"):
         found = theory.pulley.resting(**rope, held="material")
     assert found.load_forces.tolist() == theory.pulley.resting(**rope, restrained="material").load_forces.tolist()
     with pytest.raises(TypeError, match="unexpected keyword argument 'hold'"):
@@ -52,5 +52,5 @@ def test_what_is_no_name_is_refused() -> None:
 
 def test_an_old_option_works_and_says_so() -> None:
     found = CliRunner().invoke(app, ["adequacy", "none.yaml", "--x", "a=1:2:2", "--y", "b=1:2:2", "--rung", "linear"])
-    assert "--rung is called --model now" in found.output
+    assert "--rung was renamed to --model" in found.output
     assert "none.yaml" in found.output

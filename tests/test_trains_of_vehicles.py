@@ -220,19 +220,19 @@ def test_a_vehicle_that_begins_before_the_line_is_one_whose_places_are_behind() 
 
 MISTAKES = {
     "both": ("loads.train.order=[coach]", "loads.train.order", "train ICE 3 has its own vehicles"),
-    "neither": ("loads.train.train=null", "loads.train.vehicles", "is missing, without train it needs them"),
+    "neither": ("loads.train.train=null", "loads.train.vehicles", "is required without train"),
     "order": (ARTICULATED.replace("2 coach", "2 coahc"), "loads.train.order.0", "no such vehicle"),
     "many": (ARTICULATED.replace("2 coach", "300 coach"), "loads.train.order", "has 301 vehicles"),
     "last": (
         ARTICULATED.replace(", bogie], travel", "], travel"), "loads.train.vehicles.coach.springs.behind.between",
-        "none behind it to stand on",
+        "no vehicle behind it",
     ),
     "next": (
         ARTICULATED.replace("next.front", "next.frnt"), "loads.train.vehicles.coach.springs.behind.between",
         "has no such body",
     ),
     "turns": (
-        "loads.train.travel.speed={time: [0, 1], value: [10, -10]}", "loads.train.travel.speed", "does not turn back",
+        "loads.train.travel.speed={time: [0, 1], value: [10, -10]}", "loads.train.travel.speed", "not change its sign",
     ),
     "gone": ("loads.train.travel.from=50 m", "loads.train.travel.from", "has left deck before it begins"),
 }  # fmt: skip

@@ -12,9 +12,9 @@ what is there   `Scenario` of `Line`s and of loads; `ForceTable`, `SpeedTable`, 
 loads           `MovingForce`, `MovingMass`, `Oscillator`, `Trolley` with its `Payload`; `Carriage` with
                 `Cabin` and `Haul` with `CounterRope` and `DriveSheave`; `Vehicle` of `RigidBody`, `Wheel` and
                 `Spring`, or of `Matrices` with `MatrixWheel`; `Footsteps` with `Harmonic`s, `Walker`, both with a
-                `Balance`; `Crowd` with its `MassSpread`, `FrequencySpread` and `LengthSpread`; `Stepper` for a model
-                of one's own, `Fmu` with `FmuContact`s and `FmuTravel` for one of another program; their `Exchange`
-                with the line
+                `Balance`; `Crowd` with its `MassSpread`, `FrequencySpread` and `LengthSpread`; `Stepper` for a
+                user-defined model, `Fmu` with `FmuContact`s and `FmuTravel` for one of another program; their
+                `Exchange` with the line
 overhead lines  `OverheadLine` of `ContactWire`, `MessengerWire`, `StitchWire`, `Droppers`, `SteadyArms`,
                 `MessengerSupports`, `Spans`, `Condition` and `Limits`; `Pantograph` with its `PantographTravel`
                 and its `PantographHead`, which may have a `HeadRotation` or two

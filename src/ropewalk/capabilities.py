@@ -132,7 +132,7 @@ def _of_beams(parts: Parts) -> Engine:
 
 
 def _refused(engine: Engine, parts: Parts) -> int:
-    """How much of what is asked an engine does not support."""
+    """How much of the analysis an engine does not support."""
     table = engine.motion if isinstance(parts.run, Dynamic) else engine.at_rest
     return sum(1 for _ in table.unsupported(parts))
 
@@ -155,7 +155,7 @@ def unsupported(parts: Parts) -> Iterator[Finding]:
 
 
 def _window_with_all_geometry(engine: Engine, parts: Parts) -> Iterator[Finding]:
-    """A window in which wires have all geometry needs tensions that nothing far from it changes."""
+    """A window in which wires have nonlinear geometry needs tensions that nothing far from it changes."""
     run, what = parts.run, ""
     if not isinstance(run, Dynamic) or run.window is None or run.geometry == "linearised":
         return
@@ -164,7 +164,7 @@ def _window_with_all_geometry(engine: Engine, parts: Parts) -> Iterator[Finding]
     elif engine is not WIRES:
         what = "overhead lines under such loads"
     elif any(line is not None and line.ends == "anchored" for line in parts.overhead.values()):
-        what = "overhead lines with ends: anchored, whose tensions follow from all of their length"
+        what = "overhead lines with ends: anchored, with tensions that depend on their whole length"
     if what:
         given, remedy = run.written_window, "write geometry: linearised, or leave window out"
         yield missing(("run", "window"), what, given, remedy, feature="a window with geometry: nonlinear")
@@ -215,8 +215,8 @@ def check_spectrum(scenario: Scenario, *, with_loads: bool, at_rest: bool = True
         ScenarioError: there is such a thing.
     """
     if not at_rest and is_system_linearised(scenario):
-        feature, remedy = "linearised geometry", "leave the time out: small motion is about rest"
-        what = "the spectrum at an instant of ropes, of joined lines and of what only moves with them"
+        feature, remedy = "linearised geometry", "leave the time out: the linearised motion is about equilibrium"
+        what = "the spectrum at an instant of ropes, of joined lines and of parts that only move with them"
         raise refusal(missing(("run", "geometry"), what, "linearised", remedy, feature=feature))
     for found in () if at_rest else _moves_otherwise(scenario):
         raise refusal(found)
@@ -259,11 +259,12 @@ def check_without_feedback(scenario: Scenario) -> None:
                 missing(("loads", name, "kind"), what, load.kind, "write kind: axles, the forces of its axles")
             )
         if getattr(load, "also_on", ()):
-            wrong, remedy = "on rigid ground nothing tells which of its lines bears how much", "name one line only"
+            wrong = "on rigid ground the distribution of its load to the lines is not determined"
+            remedy = "name one line only"
             raise ScenarioError([Problem(f"loads.{name}.also_on", wrong, remedy=remedy)])
         if isinstance(load, ExternalModel) and engine_of(scenario) is WIRES:
             remedy = "leave it out, or ask for ropewalk compare"
             raise refusal(missing(("loads", name, "kind"), f"{what} of beams", load.kind, remedy))
         if load.on in scenario.nets and isinstance(load, MovingMass) and not isinstance(load.travel.speed, float):
-            feature, given = "a mass on a net whose speed varies", "a speed that varies"
+            feature, given = "a mass on a net at variable speed", "a speed that varies"
             raise refusal(missing(("loads", name, "travel", "speed"), what, given, "write one number", feature=feature))

@@ -194,5 +194,5 @@ def _tree(plain: Any, rest: memoryview) -> tuple[Tree, memoryview]:
 
 def _cut(rest: memoryview, size: int) -> memoryview:
     if not 0 <= size <= len(rest):
-        raise ValueError("there are fewer bytes than said")
+        raise ValueError("the file has fewer bytes than declared")
     return rest[:size]

@@ -46,7 +46,7 @@ class Comparison:
             for result, which in ((self.coupled, "with"), (self.without, "without"))
             for doubt in doubts_of(result)
         ]
-        return f"{''.join(doubts)}{'but for that, ' if doubts else ''}{self._judgement}"
+        return f"{''.join(doubts)}{'apart from that, ' if doubts else ''}{self._judgement}"
 
     @property
     def _judgement(self) -> str:
@@ -103,7 +103,7 @@ def feedback(scenario: Scenario) -> Comparison:
         scenario: with a run in time.
 
     Raises:
-        ScenarioError: the run goes on from a stored result.
+        ScenarioError: the run continues from a stored result.
         RopewalkError: it is no run in time, or one of the runs does not come to its end.
     """
     if scenario.run.kind not in ("dynamic", "linear"):
@@ -115,7 +115,7 @@ def feedback(scenario: Scenario) -> Comparison:
     for result, which in ((coupled, "with"), (without, "without")):
         if result.attrs["outcome"] not in ("completed", "doubtful"):
             metadata = f"{result.attrs['outcome']}: {result.attrs['advice']}"
-            raise RopewalkError(f"the run {which} feedback did not come to its end ({metadata})")
+            raise RopewalkError(f"the run {which} feedback stopped early ({metadata})")
     both = (summary(coupled), summary(without))
     supports = {
         name: _pair(*({k: found["supports"][name][k] for k in ("value", "time")} for found in both))

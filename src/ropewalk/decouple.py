@@ -50,7 +50,7 @@ from ropewalk.system.elements.profile import rows_of
 if TYPE_CHECKING:
     import xarray as xr
 
-TAUT = 5e4  # tension of ground over the weight on it: it gives way by 5e-6 of its length
+TAUT = 5e4  # tension of ground over the weight on it: it yields by 5e-6 of its length
 TAUTER = 3e7  # the same of ground with a profile, whose heights are of millimetres
 STRETCH = 0.5  # strain of ground: its longitudinal waves, which set the step, are not much faster than the others
 LINKS = 20  # of ground: many would cost steps, and a straight line needs none; but every wheel wants its own
@@ -74,7 +74,7 @@ def without_feedback(scenario: Scenario) -> Scenario:
         scenario: with a run in time; one that knows forces only is given back.
 
     Raises:
-        ScenarioError: the run goes on from a stored result, in which the loads are others.
+        ScenarioError: the run continues from a stored result, in which the loads are others.
         RopewalkError: a load does not come through its run on ground.
     """
     return cut(scenario)[0]
@@ -245,7 +245,7 @@ class _Ground:
         result = simulate(alone)
         if result.attrs["outcome"] != "completed":
             text = f"{result.attrs['outcome']}: {'; '.join(doubts_of(result)) or result.attrs['advice']}"
-            raise RopewalkError(f"the run of {name} on rigid ground did not come to its end ({text})")
+            raise RopewalkError(f"the run of {name} on rigid ground stopped early ({text})")
         scale = ground.distance / float(result["xi"].values.max())
         upright = engine_of(scenario) is WIRES
         return cls(result, tuple(wheel.name for wheel in wheels_of(alone)), scale, upright)

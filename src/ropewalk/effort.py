@@ -63,7 +63,7 @@ class Effort:
 
     def __str__(self) -> str:
         if self.steps is None:
-            return f"{self.nodes} nodes, in steps whose length is found on the way"
+            return f"{self.nodes} nodes, in steps of adaptive length"
         size = f"{1e6 * self.step:.3g} us" if self.step < 1e-3 else f"{1e3 * self.step:.3g} ms"
         steps = f"about {_rounded(self.steps)} steps of {'at most ' if self.adaptive else ''}{size}"
         return f"{steps} for {self.nodes} nodes, {about(self.seconds)}"
@@ -73,7 +73,7 @@ def effort_of(scenario: Scenario, run: Run, run_info: RunInfo) -> Effort | None:
     """What is to be expected of a run that is ready to begin; None of one that is no motion.
 
     Args:
-        scenario: what is computed.
+        scenario: the scenario.
         run: of it.
         run_info: of it, where its engine has noted method and step.
     """
@@ -119,30 +119,27 @@ def _prepared(scenario: Scenario) -> tuple[str, list[str]]:
         return f"{run.positions} equilibria", []
     if isinstance(run, Linear):
         if engine_of(scenario) is not SUPERPOSED or not any(load.kind in _BODIES for load in scenario.loads.values()):
-            return "closed forms or modes, without steps", []
-        return "modes, and bodies in steps that are halved until results stay the same", [
-            "bodies on modes of a structure take 10 to 100 times as long as steps of the whole motion; to wait less, "
+            return "closed-form or modal solution, no time steps", []
+        return "modal superposition; steps of the bodies are halved until the results converge", [
+            "bodies on modes of a structure take 10 to 100 times as long as direct integration; for a shorter run, "
             "write run: {kind: dynamic, geometry: linearised}"
         ]
     if not isinstance(run, Dynamic):
         return "one equilibrium", []
     if any(isinstance(load, ExternalModel) for load in scenario.loads.values()):
-        return "a motion with models of others, which are not asked here", []
+        return "dynamic: external models, run time not estimated", []
     if is_asked_for(scenario.parts):
-        return "a motion on several meshes", []
+        return "dynamic: on several meshes", []
     if (nodes := nodes_of(scenario.parts)) > MOST_NODES:
-        return f"a motion of {nodes} nodes, whose steps are found when it begins", []
+        return f"dynamic: {nodes} nodes, step size determined at the start", []
     if how_long := must_compile(scenario):
-        return (
-            f"a motion; steps and time are estimated when its kernels are compiled (once for each kind, {how_long})",
-            [],
-        )
+        return f"dynamic: steps and run time are estimated once its kernels are compiled (once, {how_long})", []
     run_info = RunInfo()
     ready = run_of(scenario, run_info)
     effort, warnings = effort_of(scenario, ready, run_info), list(run_info.warnings)
     if effort is None or not isinstance(ready, TimeHistory):
-        return "a motion", warnings
-    return f"a motion: {_piloted(effort, ready, run_info)}", warnings
+        return "dynamic", warnings
+    return f"dynamic: {_piloted(effort, ready, run_info)}", warnings
 
 
 def _piloted(effort: Effort, run: TimeHistory, run_info: RunInfo) -> Effort:

@@ -89,7 +89,7 @@ def condensed(problems: Sequence[Problem]) -> list[Problem]:
             found += group
             continue
         place = last.key if last.line in (None, first.line) else f"line {last.line}"
-        count = f"{len(group)} entries have this problem, the last one is {place}"
+        count = f"{len(group)} entries have this problem, the last is {place}"
         found.append(replace(first, remedy="; ".join(filter(None, (first.remedy, count)))))
     return found if len(found) < len(problems) else list(problems)
 
@@ -148,4 +148,4 @@ def did_you_mean(word: str, options: Iterable[str], otherwise: str = "") -> str:
     found = nearest(word, choices)
     if found is not None:
         return f"did you mean {found}?"
-    return otherwise or (f"known here: {', '.join(choices)}" if choices else "")
+    return otherwise or (f"choose from: {', '.join(choices)}" if choices else "")

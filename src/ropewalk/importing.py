@@ -34,7 +34,7 @@ _later = _Later()
 
 @contextmanager
 def lightly() -> Iterator[None]:
-    """Import what is needed, without what comes along with it."""
+    """Import the required modules only."""
     outermost, threshold, modules = _later not in sys.meta_path, gc.get_threshold(), len(sys.modules)
     if outermost:
         sys.meta_path.insert(0, _later)

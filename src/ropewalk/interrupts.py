@@ -140,7 +140,7 @@ def _hear_again() -> None:
 
 
 def _watch(ours: socket.socket, wanted: frozenset[int]) -> None:
-    """Wait for signals beside the compiler, which does not let the main thread hear them."""
+    """Wait for signals next to the compiler, which does not let the main thread hear them."""
     while numbers := ours.recv(64):
         if (_heard.compiling or _heard.loading) and wanted.intersection(numbers):
             _leave()

@@ -52,7 +52,7 @@ def refusal_of_code(name: str, key: str, given: str) -> Problem:
     """
     if os.environ.get(VARIABLE) == STUDIO:
         remedy = "start the studio with permission to run code if you trust its author"
-        return Problem(f"loads.{name}.{key}", "is code of somebody, which the studio does not run", given, remedy)
+        return Problem(f"loads.{name}.{key}", "is external code, which the studio does not run", given, remedy)
     remedy = f"omit --no-code (and the environment variable {VARIABLE}) if you trust its author"
     return Problem(f"loads.{name}.{key}", "is external code, which --no-code refuses", given, remedy)
 

@@ -19,7 +19,7 @@ def warn_renamed(old: str, new: str, depth: int = 3) -> None:
         new: the name as it is.
         depth: how many calls above this one it was used.
     """
-    warnings.warn(f"{old} is called {new} now; the old name goes with the next release", DeprecationWarning, depth)
+    warnings.warn(f"{old} was renamed to {new}; it will be removed in the next release", DeprecationWarning, depth)
 
 
 def with_old_arguments(names: Mapping[str, str]) -> Callable[[Callable[P, T]], Callable[P, T]]:

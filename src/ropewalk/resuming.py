@@ -115,9 +115,9 @@ def taken_up(path: Path, until: float | None) -> Iterator[Remainder]:
         assert isinstance(run, Dynamic)
         complete = past.attributes["outcome"] in _ENDED
         if complete and until is None:
-            raise ResultError(f"{path}: is complete, up to {run.until:g} s; give --until with a later time to go on")
+            raise ResultError(f"{path}: is complete up to {run.until:g} s; give --until with a later time to continue")
         if until is not None and not (run.until < until or (until == run.until and not complete)):
-            raise ResultError(f"{path}: goes up to {run.until:g} s; give --until with a later time, not {until:g} s")
+            raise ResultError(f"{path}: covers {run.until:g} s; give --until with a later time, not {until:g} s")
         if until is not None and until != run.until:
             _refuse_histories(past, scenario)
             scenario = _longer(past, run, float(until))
@@ -146,7 +146,7 @@ def _checked(past: Past) -> Scenario:
     if version != ropewalk.__version__:
         raise ResultError(f"{path}: was written by ropewalk {version}, this is {ropewalk.__version__}; run it again")
     if metadata.get("scenario_sha256") != hashlib.sha256(text.encode()).hexdigest():
-        raise ResultError(f"{path}: its scenario is not what was run (its digest is another); run it again")
+        raise ResultError(f"{path}: its scenario was changed after the run (digests differ); run it again")
     if (named := _named_only(tree)) is not None:
         raise ResultError(f"{path}: {named} is a function or an object of Python, which no file holds; run it again")
     outcome = metadata.get("outcome")
@@ -154,7 +154,7 @@ def _checked(past: Past) -> Scenario:
         raise ResultError(f"{path}: the run stopped by itself ({outcome}), it cannot be resumed")
     if past.checkpoint is None:
         why = f": {metadata[LACKING]}" if LACKING in metadata else "; run it again"
-        raise ResultError(f"{path}: has no checkpoint to go on from{why}")
+        raise ResultError(f"{path}: has no checkpoint to continue from{why}")
     try:
         scenario = loads(text, f"{path}.json")
     except ScenarioError as problem:
@@ -162,7 +162,7 @@ def _checked(past: Past) -> Scenario:
     was, now = past.checkpoint["data"], digests(scenario)
     for key in {**was, **now}:
         if was.get(key) != now.get(key):
-            raise ResultError(f"{path}: the file that {key} names is not there or not what it was; run it again")
+            raise ResultError(f"{path}: the file that {key} names was deleted or changed; run it again")
     return scenario
 
 
@@ -213,8 +213,8 @@ def _refuse_histories(past: Past, scenario: Scenario) -> None:
             speed = load.travel.speed
             if isinstance(speed, SpeedTable) and len(set(speed.value)) > 1:
                 raise ResultError(
-                    f"{past.path}: load {name} is pressed up by what its mean force asks for in the middle of the run; "
-                    "with a speed that changes that moves with the end: run it again"
+                    f"{past.path}: load {name} has a mean force at variable speed, which depends on the end of the "
+                    "run: run it again"
                 )
 
 

@@ -49,7 +49,7 @@ def forces_of_pantograph(scenario: Scenario, name: str) -> dict[str, MovingForce
     result = simulate(alone)
     if result.attrs["outcome"] != "completed":
         text = f"{result.attrs['outcome']}: {'; '.join(doubts_of(result)) or result.attrs['advice']}"
-        raise RopewalkError(f"the run of {name} below rigid wires did not come to its end ({text})")
+        raise RopewalkError(f"the run of {name} below rigid wires stopped early ({text})")
     found, time = {}, result["time"].values
     for k, contact in enumerate(result["load"].values.tolist()):
         place, force = result["contact_xi"].values[:, k], result["contact_force"].values[:, k, -1]

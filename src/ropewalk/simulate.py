@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 
 
 Seen = Callable[[Layout, Frames, RunInfo], None]
-"""What looks at a run while it goes on."""
+"""What looks at a run while it continues."""
 
 
 def simulate(
@@ -58,13 +58,13 @@ def simulate(
     """Run a scenario.
 
     Args:
-        scenario: what is there and what is asked.
+        scenario: structure, loads and analysis.
         file: NetCDF file to write while running; None keeps the result in memory. One that is there is replaced with
             the first frame, if it holds a result of the same scenario, as it is or as it was.
         overwrite: whether the result of another scenario is replaced, too.
         progress: called with the part that is done, 0 to 1.
         seen: called with the layout, with frames as they come and with how the run goes, to look at it meanwhile.
-        begun: called with a run that is ready to begin and with what is known of it then; not with those of several
+        begun: called with a run that is ready to begin and with its estimated steps and time; not with those of several
             meshes.
         opened: what opens the file at the end.
 
@@ -164,7 +164,7 @@ def _keep_apart(scenario: Scenario, file: Path) -> None:
         return
     if Path(run.start.file).exists() and file.samefile(run.start.file):
         remedy = "write the new result to another file, or start from a copy"
-        raise ScenarioError([Problem("run.start.file", "is the file that the result goes to", str(file), remedy)])
+        raise ScenarioError([Problem("run.start.file", "is also the output file", str(file), remedy)])
 
 
 def _keep_small(scenario: Scenario) -> None:
@@ -209,7 +209,7 @@ def run_of(scenario: Scenario, run_info: RunInfo, times: Array | None = None, pa
     """A scenario ready to run.
 
     Args:
-        scenario: what is there and what is asked.
+        scenario: structure, loads and analysis.
         run_info: filled in.
         times: of a motion, its output instants in s (default: those that it asks for).
         past: what such a run has given as its state, to go on from there.
@@ -287,7 +287,7 @@ def _motion(scenario: Scenario, run: Dynamic, run_info: RunInfo, times: Array, p
 
 
 def _still(scenario: Scenario, run_info: RunInfo) -> StaticEngine:
-    """Rest and slow motion, by the engine that the lines ask for."""
+    """Rest and quasi-static motion, by the engine that the lines ask for."""
     until = horizon(scenario) if isinstance(scenario.run, Quasistatic) and not scenario.nets else 0.0
     engine = engine_of(scenario)
     if engine is SYSTEM:
@@ -321,7 +321,7 @@ def _linear(scenario: Scenario, run: Linear, run_info: RunInfo) -> Run:
     from ropewalk.solve.start import setting_of
 
     setting = setting_of(scenario, run.until)
-    run_info.method, run_info.reason = "linear theory", "as asked: superposition of small deflections about the chord"
+    run_info.method, run_info.reason = "linear theory", "requested: superposition of small deflections about the chord"
     run_info.audit = "the linear theory superposes deflections and keeps no energies"
     return Known(layout_of(setting), frames(setting, scenario, times, run_info), times.size)
 
@@ -351,7 +351,7 @@ def _check_instant(scenario: Scenario, at: float) -> Dynamic:
     """
     run = scenario.run
     if not isinstance(run, Dynamic):
-        wrong, remedy = f"a run of kind {run.kind} has no instants", "leave the time out"
+        wrong, remedy = f"a run of kind {run.kind} has no time axis", "leave the time out"
         raise ScenarioError([Problem("at", wrong, f"{at:g} s", remedy)])
     if not 0.0 <= at <= run.until:
         remedy = f"give a time from 0 s to run.until, {run.until:g} s"
@@ -363,7 +363,7 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
     """Find the spectrum of a scenario.
 
     Args:
-        scenario: what is there.
+        scenario: the scenario.
         at: instant of its dynamic run in s, loads in their places. None: at rest, without the loads for a dynamic run
             (unless it starts with them), with the loads at their start for a run without time.
         how_many: as for `spectrum`.
@@ -376,7 +376,7 @@ def spectrum_of(scenario: Scenario, *, at: float | None = None, how_many: int | 
     check_spectrum(scenario, with_loads=at is not None or _with_loads(scenario), at_rest=at is None)
     scenario = _formed(scenario)
     run, with_loads = scenario.run, _with_loads(scenario)
-    if is_system_linearised(scenario):  # about the rest of all geometry
+    if is_system_linearised(scenario):  # about the rest of nonlinear geometry
         scenario = scenario.model_copy(update={"run": run.model_copy(update={"geometry": "nonlinear"})})
     if at is not None:
         run = _check_instant(scenario, at)

@@ -14,7 +14,7 @@ from ropewalk.model.run import Dynamic, Equilibrium, Linear, every_of
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.frame import Array, Frame, Layout
 
-_ROUNDS, _NEAR = 30, 1e-7  # rounds with loads that move as their line gives way, and the move over its length
+_ROUNDS, _NEAR = 30, 1e-7  # rounds with loads that move as their line yields, and the move over its length
 
 
 class _Shape(NamedTuple):

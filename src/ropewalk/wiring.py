@@ -182,15 +182,15 @@ def _diagnostics(section: Section) -> Iterator[str]:
     if section.slack:
         count = len(section.slack)
         names = ", ".join(section.slack[:5]) + (", ..." if count > 5 else "")
-        yield f"{count} of {section.lengths.size} droppers of {section.name} are slack at rest ({names}): check lengths"
+        yield f"static slack of {count} of {section.lengths.size} droppers of {section.name} ({names}): check lengths"
     heaviest = float(section.pull.max(initial=0.0))
     if heaviest > _HEAVY:
         name = list(section.droppers)[int(section.pull.argmax())]
-        yield f"dropper {name} bears {heaviest:.0f} N at rest, several times what is usual: check lengths and pre_sag"
+        yield f"static force of dropper {name} is {heaviest:.0f} N, unusually large: check lengths and pre_sag"
 
 
 def _unseen(name: str, line: OverheadLine) -> Iterator[str]:
-    """What is declared of an overhead line and makes no difference to its linearised motion."""
+    """Keys of an overhead line without effect on its linearised motion."""
     if line.ends == "anchored" and line.condition is None:
         yield f"overhead_lines.{name}.ends: in linearised motion tensions are constant, whatever holds the ends"
     if line.messenger_supports.along == "held":

@@ -82,7 +82,7 @@ def test_piers_are_named_and_slide() -> None:
     force = {**FORCE, "force": [0, -480e3], "travel": {"speed": 1.0, "from": 2.5}}
     text = held(answer({"b": {**BEAM, "supports": {"pier": pier}}}, loads={"f": force}))
     assert "lines.b.start_support, lines.b.end_support, lines.b.supports.pier" in text
-    assert "instead of lines.b.end_support and of lines.b.supports.pier, whose at stays" in text
+    assert "instead of lines.b.end_support and of lines.b.supports.pier, without a change of at" in text
     slides = {**BEAM, "supports": {"pier": roller}, "end_support": SLIDES}
     assert not held(answer({"b": slides}, loads={"f": force}))
 

@@ -48,7 +48,7 @@ def test_the_damping_that_the_remedy_names_is_accepted(name: str) -> None:
     assert most
     scenario = load(file, [f"lines.rope.axial_damping={most[1]}"])
     words, _ = foreseen(scenario)
-    assert words.startswith("a motion")
+    assert words.startswith("dynamic")
 
 
 ROPE: dict[str, Any] = {
@@ -104,7 +104,7 @@ def test_failing_arithmetic_names_the_numbers_that_are_extreme() -> None:
 
 def test_a_mesh_of_millions_is_not_built_by_check() -> None:
     scenario = Scenario.model_validate({"lines": {"s": ROPE | {"elements": 10_000_000}}, "run": DYNAMIC})
-    assert foreseen(scenario)[0].startswith(f"a motion of {10_000_001} nodes")
+    assert foreseen(scenario)[0].startswith(f"dynamic: {10_000_001} nodes")
     assert MOST_NODES < 10_000_000
 
 
@@ -148,7 +148,7 @@ def test_check_gives_up_a_beginning_that_takes_long(monkeypatch: pytest.MonkeyPa
     )
     found = CliRunner().invoke(app, ["check", str(file)])
     assert found.exit_code == 0, found.output
-    assert "how its run begins was not found within 0.1 s of computing" in found.output
+    assert "the start of the run was not evaluated within 0.1 s of computing time" in found.output
 
 
 def test_a_deadline_is_heard_although_everything_is_caught() -> None:

@@ -42,7 +42,7 @@ def test_spectrum_writes_each_of_several_figures(call, tmp_path):
 def test_a_second_file_of_a_command_that_writes_one_is_refused(call, tmp_path):
     found = call("run", "rope.yaml", "-o", "a.nc", "-o", "b.nc")
     assert found.exit_code == 2
-    assert "--output: is given 2 times, and this command writes one file; write it once" in found.stderr
+    assert "--output: is given 2 times, but this command writes one file; give it once" in found.stderr
     assert not (tmp_path / "a.nc").exists()
 
 

@@ -42,7 +42,7 @@ def test_a_mistake_in_every_row_of_a_csv_file_is_one_line(tmp_path: Path, row, f
     said = str(caught.value)
     assert "\n" not in said
     assert said.startswith(f"{file}:{first}: irregularity: {wrong}; ")
-    assert said.endswith(f"; {count} entries have this problem, the last one is line {ROWS}")
+    assert said.endswith(f"; {count} entries have this problem, the last is line {ROWS}")
 
 
 @pytest.mark.parametrize(
@@ -62,7 +62,7 @@ def test_a_mistake_in_every_entry_of_a_list_is_one_line(load: str, key: str, bet
     assert "\n" not in said, said[:500]
     assert f": loads.w.{key}.0: kg does not fit" in said
     assert "given '0 kg'" in said
-    assert f"; {ROWS} entries have this problem, the last one is " in said
+    assert f"; {ROWS} entries have this problem, the last is " in said
     assert said.endswith(f"{key}.{ROWS - 1}" if "\n" not in between else str(said.rpartition("line ")[2]))
 
 
@@ -70,7 +70,7 @@ def test_problems_with_different_causes_stay_apart() -> None:
     problems = [Problem(f"loads.w.at.{i}", f"{unit} does not fit", f"{i} {unit}") for i in range(5) for unit in "sN"]
     said = str(ScenarioError(problems)).splitlines()
     assert said == [
-        f"loads.w.at.0: {unit} does not fit, given 0 {unit}; 5 entries have this problem, the last one is loads.w.at.4"
+        f"loads.w.at.0: {unit} does not fit, given 0 {unit}; 5 entries have this problem, the last is loads.w.at.4"
         for unit in "sN"
     ]
 

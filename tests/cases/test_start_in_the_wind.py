@@ -102,7 +102,7 @@ def test_wind_that_grows_from_zero_is_not_sudden(speed: Any, sudden: bool) -> No
 def test_linear_theory_in_steady_wind_begins_in_calm_air_and_says_so() -> None:
     result = run({"lines": {"a": ROPE}}, run={"kind": "linear", "until": 0.1})
     assert warned(result)
-    assert "ask for kind: dynamic with start: {in_wind: true}" in result.warnings
+    assert "write kind: dynamic with start: {in_wind: true}" in result.warnings
 
 
 def test_only_wind_that_acts_on_something_can_be_begun_in() -> None:

@@ -51,7 +51,7 @@ def test_interrupted_it_says_how_to_go_on(call, string, monkeypatch):
     monkeypatch.setattr(compare, "distances", stopped)
     out = call(*PLAIN, "--store", "mine.jsonl")
     assert out.exit_code == 130
-    assert "2 of 6 points are done and kept in mine.jsonl: the same call goes on there" in out.stderr
+    assert "2 of 6 points are done and kept in mine.jsonl: the same call continues it" in out.stderr
 
 
 @pytest.mark.parametrize(

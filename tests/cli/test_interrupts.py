@@ -84,7 +84,7 @@ def test_an_interrupt_is_heard_in_the_kernels_of_every_engine(name, number, tmp_
     if name in LOOK_AHEAD:
         assert stderr.splitlines()[-1] == "interrupted"  # what the run will take is told before
         return
-    assert "interrupted; what was computed is kept in one.nc" in stderr
+    assert "interrupted; the computed part is kept in one.nc" in stderr
     with open_result(tmp_path / "one.nc") as result:
         assert (result.attrs["outcome"], result.sizes["time"]) == ("interrupted", 1)
 

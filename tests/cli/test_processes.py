@@ -21,7 +21,7 @@ def test_ctrl_c_keeps_the_partial_result(start, scenario, folder):
         stdout, stderr = run.communicate(timeout=120)
     assert run.returncode == 130
     assert stdout == ""
-    assert "interrupted; what was computed is kept in rope.nc. `ropewalk show rope.nc` prints its summary" in stderr
+    assert "interrupted; the computed part is kept in rope.nc. `ropewalk show rope.nc` prints its summary" in stderr
     result = open_result(folder / "rope.nc")
     assert result.attrs["outcome"] == "interrupted"
     assert 10 <= result.sizes["time"] < 61
@@ -36,7 +36,7 @@ def test_a_kill_leaves_a_result_that_show_understands(start, scenario, folder):
     with start("show", "rope.nc") as show:
         stdout, _ = show.communicate(timeout=120)
     assert show.returncode == 0
-    assert "unfinished (still running, or killed)" in stdout
+    assert "incomplete (still running, or killed)" in stdout
 
 
 def test_stdout_and_stderr_are_separate_and_without_a_bar_when_not_terminals(start, scenario):
@@ -44,7 +44,7 @@ def test_stdout_and_stderr_are_separate_and_without_a_bar_when_not_terminals(sta
         stdout, stderr = run.communicate(timeout=120)
     assert run.returncode == 0
     assert "largest tension" in stdout
-    assert stderr == "result in rope.nc\n"
+    assert stderr == "result written to rope.nc\n"
 
 
 def test_a_terminal_gets_a_bar_on_stderr_only(scenario, folder):

@@ -63,7 +63,7 @@ def test_what_has_no_model_hierarchy_is_refused():
     with pytest.raises(ScenarioError, match="compare needs a load that moves"):
         model_hierarchy(scenario(run={"kind": "equilibrium"}))
     empty = scenario().model_copy(update={"loads": {}})
-    with pytest.raises(ScenarioError, match="nothing travels"):
+    with pytest.raises(ScenarioError, match="no load travels"):
         model_hierarchy(empty)
     # a full scenario that cannot begin has nothing that others could be compared with
     with pytest.raises(RopewalkError, match="load cart"):
@@ -115,7 +115,7 @@ def test_distances_are_those_of_the_model_hierarchy_and_run_no_more(monkeypatch)
 def test_a_slow_run_and_a_linear_one_have_a_full_simpler_model_in_time():
     quasistatic = model_hierarchy(scenario(run={"kind": "quasistatic"}))
     assert "time" in quasistatic.models["full"].result.dims
-    assert "asks for kind: quasistatic" in quasistatic.models["full"].remark
+    assert "has kind: quasistatic" in quasistatic.models["full"].remark
     assert quasistatic.models["quasi-static"].quantities is not None
     linear = model_hierarchy(scenario(run={"kind": "linear", "until": 1.0}))
     assert linear.models["full"].result.attrs["method"] != "linear theory"
@@ -124,7 +124,7 @@ def test_a_slow_run_and_a_linear_one_have_a_full_simpler_model_in_time():
     most = model_hierarchy(scenario(run={"kind": "quasistatic", "positions": 21}, **limp))
     assert not most.models["quasi-static"].same_as
     assert "time" in most.models["full"].result.dims
-    assert "asks for kind: quasistatic" in most.models["full"].remark
+    assert "has kind: quasistatic" in most.models["full"].remark
 
 
 def test_footsteps_become_their_weight_and_feedback_cut_keeps_them():
@@ -173,13 +173,13 @@ def test_a_reach_says_from_where_to_where_a_model_holds():
     assert reach.from_start == pytest.approx(7.0, abs=0.026)
     assert (reach.to_end, reach.share) == pytest.approx((0.0, 0.3), abs=0.003)
     assert reach.text("the linear theory").startswith(
-        "the linear theory is within 2 % up to 7.00 m from the start; on the last 3.00 m of the way it is not (20 % off"
+        "the linear theory is within 2 % up to 7.00 m from the start; on the last 3.00 m of the path it is not (20 % off"
     )
     bump = reach_of(Difference(xi, full, 1.0 + 0.2 * np.exp(-((xi - 5.0) ** 2))), 0.05)
     # exp(-d^2) = 1/4 at d = 1.177
     assert (bump.from_start, bump.to_end) == pytest.approx((5.0 - 1.1774, 5.0 - 1.1774), abs=1e-3)
     assert "between them it is not" in bump.text("it")
-    assert reach_of(Difference(xi, full, full), 0.05).text("it") == "it is within 5 % all the way, 0 to 10.0 m"
+    assert reach_of(Difference(xi, full, full), 0.05).text("it") == "it is within 5 % along the whole path, 0 to 10.0 m"
     assert reach_of(Difference(xi, full, 2.0 * full), 0.05).text("it").startswith("it is nowhere within 5 %")
 
 

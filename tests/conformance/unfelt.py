@@ -27,8 +27,8 @@ NEVER: dict[str, str] = {
     "Crowd.path": "is for nets, on which no base has people; tests/test_crowds.py has",
     "FreeTravel.path": "is for nets, on which no base has such a load; tests/system/test_loads_on_nets.py has",
     "Stepper.path": "is for nets, on which no base has such a load; tests/system/test_loads_on_nets.py has",
-    "Equilibrium.accuracy": "goes with elements: auto, which no base has; tests/meshes/test_chosen_meshes.py has",
-    "Quasistatic.accuracy": "goes with elements: auto, which no base has; tests/meshes/test_chosen_meshes.py has",
+    "Equilibrium.accuracy": "is for elements: auto, which no base has; tests/meshes/test_chosen_meshes.py has",
+    "Quasistatic.accuracy": "is for elements: auto, which no base has; tests/meshes/test_chosen_meshes.py has",
     "Walker.path": "is for nets, on which no base has such a load; tests/system/test_loads_on_nets.py has",
 }
 """Keys that change no number in any base, by nature or because the bases are too small for it."""

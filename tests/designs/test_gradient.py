@@ -143,7 +143,7 @@ def test_what_does_not_follow_is_run_beside_and_says_why():
     sagging = SAGS.format(line="length: 100.5")
     slips = sagging + MAN.replace("force: [0", "contact: frictionless, force: [0") + REST
     goes = sagging + MAN.replace("material", "slip") + SLOW
-    for text, why in ((slips, "loads that slip"), (goes, "places that are searched for on the way")):
+    for text, why in ((slips, "loads that slip"), (goes, "positions that are determined during the run")):
         found = ropewalk.gradient(loads(text), "largest_tension", "lines.a.mass", workers=0)
         assert (found.attrs["route"], found.attrs["why"]) == ("differences", why)
 

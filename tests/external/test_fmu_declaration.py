@@ -181,7 +181,7 @@ def test_without_fmpy_one_is_told_how_to_get_it(folder: Path, monkeypatch: pytes
 @pytest.mark.parametrize(
     ("keys", "said"),
     [
-        ({"contacts": {}}, "nothing touches the line"),
+        ({"contacts": {}}, "the vehicle has no contact with the line"),
         ({"contact": {"gives": "motion", "force": "push", "height": "z"}}, "stiffness"),
         ({"contact": {"gives": "motion", "force": "push"}, "exchange": {"stiffness": 1e6}}, "height"),
         ({"contact": {"force": "force", "force_factor": 0.0}}, "must not be zero"),

@@ -104,7 +104,7 @@ CRASHES = [
     (
         "c",
         {"mood": "segfault", "at": 0.02},
-        r"has crashed.*SIGSEGV, in the step from t = 0\.02 s.*it said: here it comes",
+        r"has crashed.*SIGSEGV, in the step from t = 0\.02 s.*its log: here it comes",
     ),
     ("c", {"mood": "quit", "at": 0.02}, r"has ended its process, with exit code 0, in the step from t = 0\.02 s"),
     ("python", {"mood": "abort"}, r"has crashed.*SIGABRT, in the step from t = 0 s to 0\.01 s"),

@@ -48,7 +48,7 @@ def said(*settings: str) -> str:
         ([f"{LOAD}travel.from=-5 m"], [f"{LOAD}travel.from: must not be negative, given '-5 m'; write 0 m or more"]),
         (
             ["run.until=9 s"],
-            [f"{LOAD}travel.speed: the load passes the end of line at 8.496 s and the run goes on until 9 s",
+            [f"{LOAD}travel.speed: the load passes the end of line at 8.496 s and the run ends at 9 s",
              "write run.until: 8.496 s, change speed or from, or write at_end: leave"],
         ),
         (
@@ -62,7 +62,7 @@ def said(*settings: str) -> str:
         (
             [f"{LOAD}irregularity=missing.csv"],
             [f"{LOAD}irregularity: the file cannot be read", "missing.csv (No such file or directory)",
-             "name a text file beside the scenario"],
+             "name a text file next to the scenario"],
         ),
     ],
 )  # fmt: skip
@@ -98,7 +98,7 @@ def test_trolleys_do_not_rest_on_overhead_lines() -> None:
     loads(text, "line.yaml")  # in motion they do
     message = problems(text.replace(DYNAMIC, "  kind: equilibrium"))
     assert "loads.pantograph.kind: is not implemented for" in message
-    assert "overhead lines at rest or quasi-static, given trolley; ask for kind: dynamic" in message
+    assert "overhead lines, given trolley; ask for kind: dynamic" in message
 
 
 def test_masses_that_start_beyond_the_end_or_meet_are_refused() -> None:
@@ -129,7 +129,7 @@ def test_an_unstable_step_ends_with_a_partial_result_and_advice(geometry: str, s
     arguments = ["run", str(EXAMPLE), "-o", str(target), "-q", *(part for s in settings for part in ("--set", s))]
     outcome = CliRunner().invoke(app, arguments)
     assert outcome.exit_code == 3
-    assert "the run stopped early: diverged; what was computed is kept in" in outcome.stderr
+    assert "the run stopped early: diverged; the computed part is kept in" in outcome.stderr
     assert f"its step of {float(step[:-3]) / 1e3:g} s is larger than the stable one of 0.001" in outcome.stderr
     assert "write a smaller run.step, or leave it out" in outcome.stderr
     with open_result(target) as result:

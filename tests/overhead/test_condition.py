@@ -135,9 +135,9 @@ def test_what_cannot_hang_is_refused() -> None:
         ({"condition": {"missing_droppers": [[2, 1], [2, 1]]}}, "is named twice"),
         ({"condition": {"missing_droppers": [5]}}, "expected a span and the number"),
         ({"condition": {"missing_droppers": 5}}, "expected droppers"),
-        ({"condition": {"wear": "60 %"}}, "no contact wire is worn so far"),
-        ({"condition": {"expansion": 2e-5}}, "nothing expands at the same temperature"),
-        ({"condition": {"wear": 0.1}, "ends": "anchored", "steady_arms": {"stagger": 0.2}}, "goes with tensions"),
+        ({"condition": {"wear": "60 %"}}, "the wear is larger than that of any contact wire"),
+        ({"condition": {"expansion": 2e-5}}, "there is no change of temperature"),
+        ({"condition": {"wear": 0.1}, "ends": "anchored", "steady_arms": {"stagger": 0.2}}, "requires ends: weights"),
     ],
 )
 def test_conditions_that_cannot_be_are_refused(change: dict[str, Any], says: str) -> None:

@@ -115,6 +115,6 @@ def test_the_command_tells_of_arms_and_strip(tmp_path: Any) -> None:
         "  steady_arms: {stagger: [-0.2 m, -0.2 m, -0.2 m, -0.2 m, -0.2 m]}}}\nrun: {kind: equilibrium}\n"
     )
     said = CliRunner().invoke(app, ["elasticity", str(file)]).output
-    assert "pull of steady arms aside" in said
+    assert "lateral force of the steady arms" in said
     assert "800 to 800 N" in said
-    assert "way on the head from 0 to 50 mm" in said
+    assert "contact on the head, 0 to 50 mm" in said

@@ -81,7 +81,7 @@ LINES: list[tuple[dict[str, Any], str, str]] = [
     ),
     ({"element": "5 m"}, "element", "the links are too long for the spans, given 5 m; write at most 3.75 m"),
     ({"analysed_spans": [5, 11]}, "analysed_spans", "not spans of this line, given [5, 11]; write the first and the"),
-    ({"analysed_spans": [6, 5]}, "analysed_spans", "the first comes after the last"),
+    ({"analysed_spans": [6, 5]}, "analysed_spans", "the first span is after the last"),
     ({"analysed_spans": 5}, "analysed_spans", "write [first, last], counted from 1"),
     (
         {"droppers": {"at": [5, 62]}},
@@ -102,7 +102,7 @@ LINES: list[tuple[dict[str, Any], str, str]] = [
     (
         {"droppers": {"at": AT, "lengths": [1] * 9}, "pre_sag": 0.01},
         "pre_sag",
-        "give the lengths or the wanted sag",
+        "write the lengths or pre_sag",
     ),
     ({"pre_sag": [0, 0.1, 0]}, "pre_sag", "given 3 values for the 9 droppers of span 1; give 9 values"),
     ({"pre_sag": "-3 cm"}, "pre_sag", "must not be negative"),
@@ -114,7 +114,8 @@ LINES: list[tuple[dict[str, Any], str, str]] = [
     (
         {"messenger_supports": {"stiffness": [5e5, 5e5], "along": "swings"}},
         "messenger_supports.along",
-        "what swings has no stiffness along the line, given 500000 N/m; write along: held, or one number",
+        "a messenger with along: swings has no stiffness along the line, given 500000 N/m; write along: held, "
+        "or one number",
     ),
     ({"messenger_supports": {"stagger": "straight"}}, "messenger_supports.stagger", "give steady_arms a stagger"),
     ({"stitch_wire": {"length": 60}}, "stitch_wire.length", "would overlap, given 60 m; write less than 60 m"),
@@ -139,7 +140,7 @@ def without(*keys: str, **more: Any) -> dict[str, Any]:
 
 PANTOGRAPHS: list[tuple[dict[str, Any], str, str]] = [
     (PANTOGRAPH | {"model": "en50318"}, "model", "did you mean en50318-2002?"),
-    (PANTOGRAPH | {"model": "dsa"}, "model", "known here: en50318-2002, simple-ac"),
+    (PANTOGRAPH | {"model": "dsa"}, "model", "choose from: en50318-2002, simple-ac"),
     (PANTOGRAPH | {"masses": [1, 2]}, "masses", "the published pantograph en50318-2002 has its own"),
     (
         without("masses", "stiffness", "damping"),
@@ -149,9 +150,9 @@ PANTOGRAPHS: list[tuple[dict[str, Any], str, str]] = [
     (without("damping"), "damping", "add damping: one value for each mass, from the base to the head"),
     (without(masses=[1], stiffness=[1], damping=[1]), "masses", "must be two or three, given 1 mass"),
     (without(stiffness=[50, 1, 2]), "stiffness", "does not go with the masses, given 3 for 2 masses; give 2 values"),
-    (without(stiffness=[50, 0]), "stiffness.1", "nothing carries the mass"),
+    (without(stiffness=[50, 0]), "stiffness.1", "the mass has no support"),
     (without(masses=[15, 0]), "masses.1", "must be positive"),
-    (without("static_force"), "static_force", "nothing presses the pantograph to the wire"),
+    (without("static_force"), "static_force", "no force acts upwards on the pantograph"),
     (without(mean_force="ac"), "static_force", "mean_force takes its place, given 120"),
     (without("static_force", mean_force="AC"), "mean_force", "did you mean ac?"),
     (without("static_force", mean_force="150 kg"), "mean_force", "150 kg"),

@@ -104,7 +104,7 @@ def test_a_dropper_is_torn_where_the_whole_line_first_exceeds_its_strength(geome
         ({"cut": {"droppers": [[4, 1]], "time": 1.0}}, {}, "no such span.*1 to 3"),
         ({"cut": {"droppers": [[2, 10]], "time": 1.0}}, {}, "no such dropper.*1 to 9"),
         ({"cut": {"droppers": [[2, 1], [2, 1]], "time": 1.0}}, {}, "named twice"),
-        ({"cut": {"droppers": [[1, 1]], "time": 1.0}}, {}, "missing from the start"),
+        ({"cut": {"droppers": [[1, 1]], "time": 1.0}}, {}, "also in condition.missing_droppers"),
         ({"cut": {"droppers": [], "time": 1.0}}, {}, "names none"),
         ({"cut": {"droppers": [[2, 1]], "time": 0.0}}, {}, "time"),
         ({"strength": 0.0}, {}, "strength"),

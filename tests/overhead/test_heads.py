@@ -334,12 +334,12 @@ def test_a_head_that_pitches_goes_to_other_programs_and_one_that_rolls_does_not(
 @pytest.mark.parametrize(
     ("head", "where", "message"),
     [
-        ({}, "spacing", "is missing, two strips need it"),
+        ({}, "spacing", "is required with two strips"),
         ({"spacing": 0.0}, "spacing", "positive"),
         ({"strips": 3, "spacing": S}, "strips", "1 or 2"),
         ({"strips": 1}, "strips", "one strip that does not roll is a point"),
-        ({"strips": 1, "roll": ROLL, "spacing": S}, "spacing", "one strip stands in the middle of the head"),
-        ({"strips": 1, "roll": ROLL, "pitch": PITCH}, "pitch", "nothing makes it pitch"),
+        ({"strips": 1, "roll": ROLL, "spacing": S}, "spacing", "one strip is in the middle of the head"),
+        ({"strips": 1, "roll": ROLL, "pitch": PITCH}, "pitch", "has no pitching moment"),
         ({"spacing": S, "pitch": {"inertia": 0.0, "spring_spacing": D}}, "inertia", "positive"),
         ({"spacing": S, "roll": {"inertia": I}}, "spring_spacing", "required"),
     ],

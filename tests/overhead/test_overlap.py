@@ -242,14 +242,14 @@ def test_samples_of_several_wires_are_taken_together() -> None:
 @pytest.mark.parametrize(
     ("first", "second", "where", "message"),
     [
-        ({"overlap": "secnd"}, {}, "first.overlap", "no such overhead line beside this one; did you mean second"),
-        ({"overlap": "first"}, {}, "first.overlap", "no such overhead line beside this one; other .* here: second"),
-        ({}, {"start": [170.0, 0.0]}, "first.overlap", "does not run beside second at its end; let second start betw"),
+        ({"overlap": "secnd"}, {}, "first.overlap", "unknown overhead line; did you mean second"),
+        ({"overlap": "first"}, {}, "first.overlap", "unknown overhead line; other .* here: second"),
+        ({}, {"start": [170.0, 0.0]}, "first.overlap", "does not overlap with second at its end; let second start"),
         ({"heights": [0.0] * 5}, {}, "first.heights", "ends at x = 160 m within reach of pantographs; raise its last"),
         ({}, {"heights": [0.1, 0, 0, 0, 0]}, "second.heights", "ends at x = 40 m within reach .*; raise its first"),
         ({"heights": [0.0, 0.5]}, {}, "first.heights", "do not go with the supports; give 5 values"),
         ({"heights": [0, 0, 0, 0, 5]}, {}, "first.heights", "steeper than 1 : 20; write heights that differ less"),
-        ({}, {"overlap": "second"}, "second.overlap", "no such overhead line beside this one"),
+        ({}, {"overlap": "second"}, "second.overlap", "unknown overhead line"),
     ],
 )
 def test_what_cannot_overlap_is_refused(
@@ -267,7 +267,7 @@ def test_no_two_lines_go_on_as_the_same_one() -> None:
 
 
 def test_a_pantograph_passes_the_end_of_the_last_line() -> None:
-    with pytest.raises(ValidationError, match=r"passes the end of first at 3 s and the run goes on until 4 s"):
+    with pytest.raises(ValidationError, match=r"passes the end of first at 3 s and the run ends at 4 s"):
         scenario(until=4.0)
     with pytest.raises(ValidationError, match=r"passes the start of second at 2 s"):
         scenario(on="second", speed=-50.0, start=60.0, until=3.0)
@@ -276,8 +276,8 @@ def test_a_pantograph_passes_the_end_of_the_last_line() -> None:
 def test_irregularities_are_those_of_wires_that_are_named() -> None:
     tree = scenario().model_dump(mode="json")
     for given, message in (
-        ("rough.csv", r"which contact wire is meant.*first, second.*\{first: rough.csv, second: rough.csv\}"),
-        ({"frist": "rough.csv"}, "does not come to such a line.*did you mean first"),
+        ("rough.csv", r"the contact wire is ambiguous.*first, second.*\{first: rough.csv, second: rough.csv\}"),
+        ({"frist": "rough.csv"}, "does not reach this line.*did you mean first"),
         ({"first": 3}, "expected the name of a file"),
         ({}, "expected the name of a file"),
     ):

@@ -115,7 +115,7 @@ def test_the_command_tells_of_lines_and_of_the_pantographs_below_them() -> None:
     assert line["wind_deflection"]["value"] == pytest.approx(8.0 * 60.0**2 / (8.0 * 20e3))
     table = " ".join(call(str(EXAMPLE), *coarse, "--side-load", "8 N/m").stdout.split())
     assert "amplification of pantograph 1.62" in table
-    assert "contact wire aside under 8 N/m at most 180 mm" in table
+    assert "lateral deflection of the contact wire under 8 N/m at most 180 mm" in table
 
 
 def test_the_command_refuses_what_it_cannot_tell() -> None:

@@ -99,7 +99,7 @@ def test_it_says_when_waves_come_back() -> None:
     print(reason)
     c, v = np.sqrt(16e3 / 1.07), 300.0 / 3.6  # m/s, the messenger, and the pantograph
     back = 360.0 * c / (c**2 - v**2)
-    assert f"180 m around contacts move, from whose borders waves come back after {back:.3g} s" in reason
+    assert f"180 m around contacts move, waves return from its boundaries after {back:.3g} s" in reason
 
 
 def test_lines_whose_tensions_are_joined_far_away_are_refused() -> None:

@@ -1,4 +1,4 @@
-"""Damaged result files are told: cut short, with spoilt headers, with bytes that are not what was written."""
+"""Damaged result files are told: truncated, with spoilt headers, with bytes that are not what was written."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def test_a_part_of_a_file_is_told(part: float, file: Path, tmp_path: Path) -> No
     cut = tmp_path / "cut.nc"
     data = file.read_bytes()
     cut.write_bytes(data[: int(part * len(data))])
-    with pytest.raises(ResultError, match=r"cut short|ends within|is empty|ends before|no NetCDF file"):
+    with pytest.raises(ResultError, match=r"truncated|ends within|is empty|ends before|no NetCDF file"):
         open_result(cut)
 
 

@@ -111,7 +111,7 @@ def test_there_is_no_verdict_on_what_is_not_known() -> None:
 
 
 def test_limits_of_nothing_to_be_limited_are_refused() -> None:
-    with pytest.raises(ScenarioError, match=r"limits\.uplift_limited: there is no space"):
+    with pytest.raises(ScenarioError, match=r"limits\.uplift_limited: the uplift has no limit"):
         loads(SCENARIO.replace("uplift_space: 1 mm", "uplift_limited: true"))
 
 

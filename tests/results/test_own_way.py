@@ -70,7 +70,7 @@ def test_how_far_a_load_and_its_payload_fall_stands_in_the_summary() -> None:
     assert below["time"] == result["time"].values[z.argmin()]
     rows = [row for row in text(found).splitlines() if row.startswith("lowest place")]
     assert len(rows) == 2
-    assert "m below where it began" in rows[0]
+    assert "m below its start" in rows[0]
 
 
 def test_a_foot_needs_friction_only_while_it_presses() -> None:

@@ -28,7 +28,7 @@ def remarked(tension: list[list[float]], **keys: Any) -> list[str]:
 
 def test_the_line_that_pushes_most_is_named_with_its_force_and_when() -> None:
     (said,) = remarked([[900.0, 1000.0, 2.0, 3.0], [900.0, -60.0, -200.0, 1.0], [0.0, 0.0, -150.0, np.nan]])
-    assert said.startswith("line loop, whose law only pulls, pushes with 200 N at t = 0.01 s: its axial_damping")
+    assert said.startswith("tension-only line loop has a compressive force of 200 N at t = 0.01 s: its axial_damping")
 
 
 @pytest.mark.parametrize(

@@ -190,7 +190,7 @@ def test_a_frame_may_be_used_again_after_it_was_recorded():
 def test_a_frame_of_another_shape_is_refused():
     frame = next(wave.frames(wave.layout()))
     recorder = Recorder(wave.layout(), wave.scenario(), wave.run_info())
-    with pytest.raises(ValueError, match=r"tension has shape \(1,\), the layout says \(40,\)"):
+    with pytest.raises(ValueError, match=r"tension has shape \(1,\), the layout requires \(40,\)"):
         recorder.append(dataclasses.replace(frame, tension=np.zeros(1)))
 
 
@@ -267,14 +267,14 @@ def test_an_existing_result_is_replaced_but_another_file_is_left_alone(make, tmp
     restrained.close()
     precious = tmp_path / "scenario.yaml"
     precious.write_text("title: precious\n")
-    with pytest.raises(ResultError, match="exists and is no result"):
+    with pytest.raises(ResultError, match="exists and is not a result"):
         make(file=precious)
     assert precious.read_text() == "title: precious\n"
 
 
 @pytest.mark.parametrize(
     ("name", "why"),
-    [("missing.nc", "no such file"), ("text.nc", "is no NetCDF file"), ("other.nc", "no result of ropewalk")],
+    [("missing.nc", "no such file"), ("text.nc", "is no NetCDF file"), ("other.nc", "not a result of ropewalk")],
 )
 def test_what_is_no_result_is_refused_when_opened(name, why, tmp_path):
     (tmp_path / "text.nc").write_text("no NetCDF")

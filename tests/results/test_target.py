@@ -114,7 +114,7 @@ def test_what_cannot_be_read_is_kept(tmp_path: Path) -> None:
     file = tmp_path / "out.nc"
     recorded(file)
     file.write_bytes(file.read_bytes()[:200])
-    with pytest.raises(ResultError, match="exists, but cannot be read to see whose it is"):
+    with pytest.raises(ResultError, match="exists, but its scenario cannot be read"):
         check_own(file, scenario())
 
 
@@ -123,7 +123,7 @@ def test_a_motion_is_not_written_over_what_it_starts_from_by_another_name(tmp_pa
     file, other = tmp_path / "s.nc", tmp_path / "t.nc"
     simulate(still(), file=file)
     os.link(file, other)
-    with pytest.raises(ScenarioError, match="is the file that the result goes to"):
+    with pytest.raises(ScenarioError, match="is also the output file"):
         simulate(still(start=str(file)), file=other)
 
 
@@ -167,7 +167,7 @@ def test_a_loop_of_links_is_refused_by_every_python(
         simulate(still(), file=tmp_path / name)
     with pytest.raises(RopewalkError, match=r"cannot be written|does not exist"):
         check_outputs([tmp_path / name])
-    with pytest.raises(OutsideError, match="cannot be followed to a file"):
+    with pytest.raises(OutsideError, match="is a link to no file"):
         Folder(tmp_path).file("one.nc", (".nc",))
     with pytest.raises(ScenarioError, match="lies outside of the folder"):
         check_inside({"file": name}, tmp_path.resolve())

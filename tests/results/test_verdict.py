@@ -320,7 +320,7 @@ def test_a_run_does_not_write_into_the_result_that_it_starts_from(tmp_path: Path
     simulate(Scenario.model_validate(tree), file=file)
     before = file.read_bytes()
     again = tree | {"run": {"kind": "dynamic", "until": 0.05, "start": {"kind": "result", "file": str(file)}}}
-    with pytest.raises(ScenarioError, match=r"run\.start\.file: is the file that the result goes to"):
+    with pytest.raises(ScenarioError, match=r"run\.start\.file: is also the output file"):
         simulate(Scenario.model_validate(again), file=file)
     assert file.read_bytes() == before
     simulate(Scenario.model_validate(again), file=tmp_path / "second.nc")

@@ -60,7 +60,7 @@ def over_a_bump(folder: Path, height: float, until: float, every: float, **vehic
 
 def test_the_impulse_of_a_rigid_wheel_is_named_and_a_contact_stiffness_removes_it(tmp_path: Path) -> None:
     (found,) = matching(over_a_bump(tmp_path, 0.01, 0.15, 5e-4), "alone, ")
-    assert "a rigid contact strikes the line" in found
+    assert "a rigid contact hits the line" in found
     assert "(loads.w.wheels); write lift_off: true and a contact_stiffness" in found
     assert not matching(over_a_bump(tmp_path, 0.01, 0.15, 5e-4, **SOFT), "alone, ")
 
@@ -101,7 +101,7 @@ def test_a_load_that_is_set_down_is_reported_and_an_equilibrium_or_a_start_at_an
 @pytest.mark.parametrize(
     ("load", "more", "says", "remedy"),
     [
-        (mass(), {"gravity": 0.0}, "(gravity); give gravity", {"gravity": 9.81}),
+        (mass(), {"gravity": 0.0}, "(gravity); write gravity", {"gravity": 9.81}),
         (
             {"kind": "force", "force": [0.0, 0.0], "travel": {"speed": 10.0, "from": 1.0}}, {},
             "(loads.w.force); give it a force",
@@ -113,9 +113,9 @@ def test_a_load_that_never_presses_is_named_and_its_remedy_helps(
     load: Tree, more: Tree, says: str, remedy: Tree
 ) -> None:
     tree = on_string(load) | more
-    (found,) = matching(tree, "never presses")
+    (found,) = matching(tree, "never exerts a force")
     assert says in found
-    assert not matching(tree | remedy, "never presses")
+    assert not matching(tree | remedy, "never exerts a force")
 
 
 def test_a_load_that_is_never_on_its_line_is_named_and_a_later_end_or_another_start_helps() -> None:
@@ -143,7 +143,7 @@ def test_a_line_below_the_ground_is_reported_and_tension_or_ground_remove_it() -
         return {"lines": {"string": line}, "outputs": outputs, "run": {"kind": "equilibrium"}}
 
     (found,) = matching(hung(1000.0, -0.1), "below the ground")
-    assert "raise supports or tension, or correct outputs.ground" in found
+    assert "raise the supports or the tension, or correct outputs.ground" in found
     assert not matching(hung(1e5, -0.1), "below the ground")
     assert not matching(hung(1000.0, -2.0), "below the ground")
 
@@ -152,7 +152,7 @@ def test_a_line_that_would_break_is_named_and_strength_or_less_load_helps() -> N
     """A string of 1 kN whose load of 100 N adds some tension."""
     load = {"kind": "force", "force": [0.0, -100.0], "travel": {"speed": 10.0, "from": 4.0}}
     (found,) = matching(on_string(load, strength=1010.0), "would break")
-    assert "write more strength or less load" in found
+    assert "increase strength, reduce the load" in found
     assert not matching(on_string(load, strength=2e3), "would break")
     assert not matching(on_string(load | {"force": [0.0, -1.0]}, strength=1010.0), "would break")
 
@@ -182,7 +182,7 @@ def test_dampers_that_push_are_reported_and_push_less_with_half_the_damping() ->
             "law": {"kind": "tension_only"}, "axial_damping": damping, "end_support": ends,
         }  # fmt: skip
         run = {"kind": "dynamic", "until": 0.3, "every": 2e-3}
-        found = matching({"lines": {"rope": rope}, "run": run}, "whose law only pulls, pushes with")
-        return float(found[0].partition("pushes with ")[2].partition(" N")[0]) if found else 0.0
+        found = matching({"lines": {"rope": rope}, "run": run}, "has a compressive force of")
+        return float(found[0].partition("force of ")[2].partition(" N")[0]) if found else 0.0
 
     assert push(200.0) > push(100.0) > 0.0

@@ -50,7 +50,7 @@ def test_a_locked_file_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "case.yaml"
     path.write_text("title: x")
     path.chmod(0)
-    with pytest.raises(ScenarioError, match="cannot be read; allow yourself"):
+    with pytest.raises(ScenarioError, match="cannot be read; change its permissions"):
         load(path)
 
 
@@ -59,7 +59,7 @@ def test_a_refused_permission_is_explained(monkeypatch: pytest.MonkeyPatch) -> N
         raise PermissionError(13, "Permission denied")
 
     monkeypatch.setattr("builtins.open", locked)
-    with pytest.raises(ScenarioError, match="cannot be read; allow yourself"):
+    with pytest.raises(ScenarioError, match="cannot be read; change its permissions"):
         load("case.yaml")
 
 
@@ -112,13 +112,13 @@ JSON = {
     "an open list is refused": ('{"a": [1,\n 2', 2, "a comma or ]"),
     "a key without quotes is refused": ("{\na: 1}", 2, "double quotes"),
     "a key without colon is refused": ('{"a" 1}', 1, "colon"),
-    "a missing value is refused": ('{"a":\n}', 2, "a value is missing"),
+    "a missing value is refused": ('{"a":\n}', 2, "expected a value"),
     "an early end is refused": ('{"a":\n', 2, "ends too early"),
     "an open text is refused": ('{"a": "b}', 1, "Unterminated string"),
     "a trailing comma is refused": ('{"a": 1,\n}', 2, "double quotes"),
     "text after the end is refused": ('{"a": 1}\n}', 2, "after the end"),
     "an empty text is refused": ("", 1, "is empty"),
-    "a list at the top is refused": ("\n[1]", 2, "a list stands where"),
+    "a list at the top is refused": ("\n[1]", 2, "a list instead of"),
     "null at the top is refused": ("null", 1, "is empty"),
 }
 
@@ -133,7 +133,7 @@ def test_malformed_json(text: str, line: int, words: str) -> None:
 
 
 def test_a_duplicate_key_in_json_points_to_the_first() -> None:
-    with pytest.raises(ScenarioError, match=r"case.json:2: gravity: the key stands twice .*case.json:1"):
+    with pytest.raises(ScenarioError, match=r"case.json:2: gravity: the key occurs twice .*case.json:1"):
         loads('{"gravity": 1,\n"gravity": {"a": 2}, "lines": {}}', "case.json")
 
 

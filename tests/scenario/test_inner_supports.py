@@ -96,5 +96,5 @@ def test_what_is_not_computed_is_refused_at_its_key(what: str) -> None:
 
 def test_a_line_that_is_joined_must_say_where_it_is_held() -> None:
     line = loads(FILE, overrides=PLAIN).lines["deck"].model_dump() | {"end_support": {"kind": "joined", "to": "knot"}}
-    with pytest.raises(ValueError, match="where a joined line runs"):
+    with pytest.raises(ValueError, match="the path of a joined line"):
         Line.model_validate(line)

@@ -65,7 +65,7 @@ REFUSED = {
     "an unknown block suggests": ("rn.until=1", "--set rn.until: unknown key rn; did you mean run?"),
     "an unknown line suggests": (
         "lines.rop.length=1",
-        "--set lines.rop.length: nothing is called rop in lines; did you mean rope?",
+        "--set lines.rop.length: unknown key rop in lines; did you mean rope?",
     ),
     "a value of another dimension is refused": (
         "loads.walker.force.1=9 kg",
@@ -73,9 +73,9 @@ REFUSED = {
     ),
     "an index out of range is refused": (
         "loads.walker.force.2=1",
-        "--set loads.walker.force.2: no such entry, given 2; loads.walker.force has the entries 0 to 1",
+        "--set loads.walker.force.2: the index is out of range, given 2; loads.walker.force has the entries 0 to 1",
     ),
-    "an index that is a word is refused": ("loads.walker.force.z=1", "--set loads.walker.force.z: no such entry"),
+    "an index that is a word is refused": ("loads.walker.force.z=1", "--set loads.walker.force.z: the index"),
     "an entry cannot be taken out": ("loads.walker.force.1=null", "--set loads.walker.force.1: an entry of a list"),
     "a value is not a block": ("run.until.x=1", "--set run.until.x: run.until is a value, not a block"),
     "a sign is needed": ("run.until", "--set run.until: this is not key=value, given run.until"),
@@ -89,7 +89,7 @@ REFUSED = {
         "run={kind: dynamic, until: x}",
         "--set run: run.until: cannot be read as a time",
     ),
-    "a missing key of a block set is located": ("run={kind: dynamic}", "--set run: run.until: is missing"),
+    "a missing key of a block set is located": ("run={kind: dynamic}", "--set run: run.until: is required"),
     "what does not fit together is located": ("run.every=9 s", "--set run.every: longer than the run, given 9 s"),
 }
 

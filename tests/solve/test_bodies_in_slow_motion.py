@@ -90,5 +90,5 @@ def test_three_wheels_agree_with_their_springs_everywhere() -> None:
 
 def test_people_are_for_motion() -> None:
     walker = {"kind": "walker", "on": "rope", "mass": 70.0}
-    with pytest.raises(ValueError, match="not implemented for ropes at rest or quasi-static"):
+    with pytest.raises(ValueError, match="not implemented for equilibria and quasi-static runs of ropes"):
         Scenario.model_validate({"lines": {"rope": ROPE}, "loads": {"w": walker}, "run": SLOW})

@@ -66,7 +66,7 @@ def test_on_a_slack_part_no_friction_suffices() -> None:
 
 
 def test_whether_a_given_coefficient_suffices_is_said() -> None:
-    assert "does not suffice" in at_rest(load(19.0, friction=0.6)).attrs["warnings"]
+    assert "more than the given" in at_rest(load(19.0, friction=0.6)).attrs["warnings"]
     assert "suffice" not in at_rest(load(19.0, friction=0.7)).attrs["warnings"]
 
 

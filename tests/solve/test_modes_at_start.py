@@ -109,14 +109,14 @@ lines:
 run: {kind: dynamic, until: 1, start: %s}
 """
 MISTAKES = {
-    "{kind: mode}": "run.start.amplitude: is missing, a start from a mode needs it; add amplitude: the largest "
+    "{kind: mode}": "run.start.amplitude: is required for a start from a mode; add amplitude: the largest "
     "deflection, for example 10 mm",
     "{kind: mode, amplitude: 0}": "run.start.amplitude: must be positive, given 0; write a value above 0 m",
-    "{amplitude: 0.1}": "run.start.amplitude: goes with kind: mode only; leave it out, or write kind: mode",
-    "{kind: mode, amplitude: 0.1, with_loads: true}": "run.start.with_loads: goes with kind: rest only; leave it out, "
+    "{amplitude: 0.1}": "run.start.amplitude: is for kind: mode only; leave it out, or write kind: mode",
+    "{kind: mode, amplitude: 0.1, with_loads: true}": "run.start.with_loads: is for kind: rest only; leave it out, "
     "or write kind: rest",
-    "{kind: result, file: a.nc, whirl: true}": "run.start.whirl: goes with kind: mode only; leave it out: the result "
-    "says where everything is, or write kind: mode",
+    "{kind: result, file: a.nc, whirl: true}": "run.start.whirl: is for kind: mode only; leave it out: all "
+    "positions are read from the result, or write kind: mode",
     "{kind: mode, amplitude: 0.1, direction: [0, 0]}": "run.start.direction: has no direction, given [0.0, 0.0]; "
     "write for example [0, 1]",
     "{kind: mode, amplitude: 0.1, direction: [2, 0]}": "run.start.direction: the direction has no part across string, "
@@ -138,5 +138,5 @@ def test_what_makes_no_sense_is_refused(start: str) -> None:
 
 def test_a_rope_without_a_shape_at_rest_cannot_begin_with_a_mode() -> None:
     page = PAGE.replace("tension: 100", "length: 6") % "{kind: mode, amplitude: 0.1}" + "gravity: 0\n"
-    with pytest.raises(ScenarioError, match="rest shape of a line longer than the distance of its ends"):
+    with pytest.raises(ScenarioError, match="equilibrium of a line longer than the distance of its ends"):
         loads(page, "a.yaml")

@@ -120,7 +120,7 @@ class Fails:
     ("answer", "advice"),
     [
         (1, "ZeroDivisionError"),
-        (None, "wanted is a list"),
+        (None, "expected a list"),
         ([7], "each contact is"),
         ([("a", (0.0, 1.0))], "each contact is"),
         ([(5.0, (0.0, float("nan")))], "finite numbers"),

@@ -478,7 +478,7 @@ def test_two_springs_are_for_the_plane_and_refused_in_space() -> None:
     with pytest.raises(ScenarioError) as caught:
         from_text(PLANE % ("other", "3"), "space.yaml")
     assert str(caught.value).splitlines() == [
-        f"space.yaml:{line}: {key}{name}: lines.other leaves the x-z plane, and two values say nothing of the "
+        f"space.yaml:{line}: {key}{name}: lines.other leaves the x-z plane, and two values do not define the "
         f"direction y, given {given}; write [{k}x, {k}y, {k}z]{more}, or one value for all directions"
         for line, key, values in ((9, "lines.rope.end_support.", "[40000, 20000]"), (12, "loads.sprung.", "[1, 2]"))
         for name, k, given, more in (("damping", "c", "[1, 2]", " (cy: 0 for none)"), ("stiffness", "k", values, ""))

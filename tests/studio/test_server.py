@@ -128,7 +128,7 @@ def test_a_scenario_that_names_files_elsewhere_is_refused(page: Page) -> None:
 def test_a_scenario_that_runs_code_is_refused(page: Page, folder: Path) -> None:
     for do in ("check", "prepare", "run"):
         problems = page.ask(do, text=CODE, name="code.yaml")["problems"]
-        assert [p["wrong"] for p in problems] == ["is code of somebody, which the studio does not run"]
+        assert [p["wrong"] for p in problems] == ["is external code, which the studio does not run"]
     assert not (folder / "ran").exists()
 
 
@@ -188,9 +188,9 @@ def test_what_is_saved_is_what_was_written_unless_the_file_has_changed(page: Pag
     assert (folder / "mine.yaml").read_text() == changed
     assert "# stays" in changed
     (folder / "mine.yaml").write_text("title: of somebody else\n")
-    assert "has changed on disk" in page.ask("save", name="mine.yaml", text=changed, stamp=saved["stamp"])["error"]
+    assert "was changed on disk" in page.ask("save", name="mine.yaml", text=changed, stamp=saved["stamp"])["error"]
     assert (folder / "mine.yaml").read_text() == "title: of somebody else\n"
-    assert "is there already" in page.ask("save", name="rope.yaml", text=changed, stamp=None)["error"]
+    assert "exists already" in page.ask("save", name="rope.yaml", text=changed, stamp=None)["error"]
 
 
 def test_a_sweep_is_the_one_of_the_command_line_and_each_case_can_be_seen(
@@ -229,8 +229,8 @@ def test_a_sweep_takes_the_processes_that_it_may(tmp_path: Path, monkeypatch: py
         ("run.start: ['{kind: result, file: ../other.nc}']", "lies outside of the folder of the studio"),
         ("run.start: [{kind: result, file: ../other.nc}]", "lies outside of the folder of the studio"),
         ("loads.walker: [{kind: stepper, model: 'evil.py:Evil', on: rope, every: 1 ms}]",
-         "is code of somebody, which the studio does not run"),
-        ("lines.rope.elements: [50, 60000]", "is too much here"),
+         "is external code, which the studio does not run"),
+        ("lines.rope.elements: [50, 60000]", "is too large here"),
     ],
 )  # fmt: skip
 def test_no_case_of_a_sweep_does_what_a_scenario_may_not(page: Page, folder: Path, values: str, wrong: str) -> None:

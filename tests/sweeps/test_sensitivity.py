@@ -98,7 +98,7 @@ def test_a_quantity_that_a_case_lacks_has_no_effects() -> None:
 
 def test_what_cannot_be_drawn_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     endless = {"loads.train.forces": "normal(100 kN, 1 kN)"}
-    with pytest.raises(ScenarioError, match="lowest to the highest value"):
+    with pytest.raises(ScenarioError, match="requires a lowest and a highest value"):
         Plan.of(loads(BRIDGE), Sweep(over=endless, combine="morris", count=3))
     assert len(Plan.of(loads(BRIDGE), Sweep(over=endless, combine="saltelli", count=2)).rows) == 6
 

@@ -159,10 +159,10 @@ def test_a_run_that_stops_early_is_a_row_with_its_reason():
     [
         ({"lines.rope.lenght": [1]}, {}, "did you mean length"),
         ({LENGTH: [1], "lines.rope": [{}]}, {}, "is set twice"),
-        ({LENGTH: [10.5]}, {"derived": {FORCE: "-speeed * 1 kg/s"}}, "nothing is called speeed; did you mean"),
+        ({LENGTH: [10.5]}, {"derived": {FORCE: "-speeed * 1 kg/s"}}, "unknown name speeed; did you mean"),
         ({LENGTH: [10.5]}, {"derived": {FORCE: "2 s"}}, "does not fit: expected a force"),
         ({LENGTH: "normal(1, 2)"}, {}, "drawn from a distribution"),
-        ({LENGTH: "normal(1, 2)"}, {"combine": "random"}, "how many cases"),
+        ({LENGTH: "normal(1, 2)"}, {"combine": "random"}, "number of sampled cases"),
         ({LENGTH: [10.5]}, {"combine": "cartesian"}, "combine"),
         ({}, {}, "nothing varies"),
         (None, {}, "nothing varies"),

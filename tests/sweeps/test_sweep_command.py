@@ -117,7 +117,7 @@ def test_a_signal_ends_it_with_the_part_that_is_done_and_leaves_no_process(folde
     os.killpg(process.pid, how) if how == signal.SIGINT else process.send_signal(how)
     _, message = process.communicate(timeout=60)
     assert process.returncode == 130, message
-    assert "of 41 cases are done and kept in rope.sweep.jsonl: the same command goes on there" in message
+    assert "of 41 cases are finished and kept in rope.sweep.jsonl: the same command continues it" in message
     table = pd.read_csv("out.csv")
     assert (table["outcome"] == "completed").sum() == len(lines(folder)) < 41
     assert is_gone(process.pid)

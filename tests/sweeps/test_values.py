@@ -45,7 +45,7 @@ def test_values_are_read(text, levels):
         ("1,,2", "these are no values"),
         ("uniform(2, 1)", "not above the lower one"),
         ("gaussian(2, 1)", "no such values"),
-        ("normal(2 m)", "not what it takes"),
+        ("normal(2 m)", "do not match"),
         ("normal(2 m, 0 m)", "not positive"),
         ("log(0, 1, 3)", "positive values only"),
         ("linear(0, 1, 2.5)", "no whole number"),

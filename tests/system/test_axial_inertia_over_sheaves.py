@@ -140,4 +140,4 @@ def test_steps_are_longer_and_stay_stable() -> None:
     assert steps[1] / steps[0] == pytest.approx((1.0 / F + 0.0225) ** -0.5, rel=0.1)
     found = simulate(asked(over(0.05, **hauled(0.8, 0.5)), 0.5, loads=PUSHED))
     assert found.attrs["outcome"] == "completed", found.attrs["doubts"]
-    assert "over sheaves 9 times as heavy" in str(found.attrs["warnings"])
+    assert "over sheaves by 9" in str(found.attrs["warnings"])

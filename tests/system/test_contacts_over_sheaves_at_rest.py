@@ -145,7 +145,7 @@ def test_a_vehicle_goes_slowly_up_to_a_sheave() -> None:
         "run": {"kind": "quasistatic", "positions": 9},
     }  # fmt: skip
     found = simulate(Scenario.model_validate(tree))
-    assert "come to a sheave" in found.attrs["advice"]
+    assert "reached a sheave" in found.attrs["advice"]
     assert found.sizes["load_path"] > 1
     front = 9.81 * (8.0 + 60.0 * 0.6 / 1.4)
     assert found["contact_force"].values[:, 0, 1] == pytest.approx(-front, abs=1e-6)

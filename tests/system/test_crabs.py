@@ -170,7 +170,7 @@ def test_a_rope_that_is_drawn_up_is_doubted() -> None:
         ({"also_on": ["a"]}, "it stands on that line already"),
         ({"travel": {"from": 30.0, "speed": 1.0}}, "lines that stretch differently"),
         ({"travel": {**HAULED, "at_end": "leave"}}, "all of its lines carry it"),
-        ({"travel": {**HAULED, "at_end": "stay"}}, "what moves it would draw it on"),
+        ({"travel": {**HAULED, "at_end": "stay"}}, "its drive would pull it over"),
         ({"travel": {"kind": "free", "driver": {"speed": 1.0, "force": 1e3}}}, "a driver acts along one line"),
         ({"lift_off": True}, "is not implemented for loads on several lines"),
     ],
@@ -217,5 +217,5 @@ def test_without_feedback_and_as_constant_forces_a_crab_is_refused_with_its_reas
     asked = Scenario.model_validate(tree)
     with pytest.raises(ScenarioError, match=r"loads\.crab\.also_on: on rigid ground"):
         without_feedback(asked)
-    with pytest.raises(RopewalkError, match="load crab: how its lines share its weight"):
+    with pytest.raises(RopewalkError, match="load crab: the distribution of its weight"):
         ConstantForces(asked, {}).forces()

@@ -83,7 +83,7 @@ def test_the_same_bridge_line_by_line_has_the_same_spectrum() -> None:
 MISTAKES = {
     "no such line": ({"from": "cabel"}, "from", "did you mean cable"),
     "one line": ({"from": "deck"}, "to", "is the line that they hang from"),
-    "no places": ({"count": None}, "count", "the places are not determined"),
+    "no places": ({"count": None}, "count", "the positions are not determined"),
     "both": ({"at": [3.0]}, "count", "exclude each other"),
     "places that fall": ({"count": None, "at": [5.0, 4.0]}, "at", "places must rise"),
     "beyond the end": ({"count": None, "at": [41.0]}, "at", "not between the ends of deck"),

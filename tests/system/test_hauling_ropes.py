@@ -148,11 +148,11 @@ def test_two_carriages_over_a_pulley_feel_the_tension_of_their_counter_rope() ->
 
 WRONG: list[tuple[dict[str, Any], str]] = [
     ({"mass": 0.0}, "does not sag"),
-    ({"counter": None, "sheave": {"friction": 0.2, "wrap": 3.0}}, "other side pulls with is not given"),
-    ({"counter": {"tension": 2e3, "mass": 5.0}}, "no more than the rope weighs"),
+    ({"counter": None, "sheave": {"friction": 0.2, "wrap": 3.0}}, "the tension on its other side is not given"),
+    ({"counter": {"tension": 2e3, "mass": 5.0}}, "less than the weight of the rope"),
     ({"speed": None, "over_to": "car"}, "does not hang freely here"),
     ({"mass": 0.0, "sags": False, "elements": 8}, "a rope without mass has none that move with it"),
-    ({"counter": {"tension": 3e3, "axial_stiffness": 1e6}}, "a counter rope without mass draws none along"),
+    ({"counter": {"tension": 3e3, "axial_stiffness": 1e6}}, "a counter rope without mass has no mass to accelerate"),
 ]
 
 

@@ -130,6 +130,6 @@ def test_a_load_ends_the_motion_where_it_comes_to_a_sheave(method: str) -> None:
     motion = SystemMotion(Scenario.model_validate(tree), run_info, np.array([0.0, UNTIL]))
     ending = motion.advance(1)
     assert ending is not None
-    assert "come to a sheave" in ending.advice
+    assert "reached a sheave" in ending.advice
     links = motion.structure.runs.links[0]
     assert motion.state.s[0] == pytest.approx(links * 1.3 / 9, abs=1e-6)

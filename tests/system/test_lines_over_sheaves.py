@@ -227,7 +227,7 @@ def test_a_load_that_comes_to_a_sheave_stops_the_run() -> None:
     load = {"kind": "force", "on": "rope", "force": [0, -50.0], "travel": {"speed": 10, "from": 4.5}}
     result = simulate(scenario(over(), {"until": 0.6}, loads={"load": load}))
     assert result.attrs["outcome"] == "travel ended"
-    assert "a load has come to a sheave" in result.attrs["advice"]
+    assert "a load has reached a sheave" in result.attrs["advice"]
     # The sheave is 5.83 m from the start, over one link of 0.33 m.
     assert result.contact_xi.values[-1, 0] == pytest.approx(5.8, abs=0.5)
 
@@ -235,7 +235,7 @@ def test_a_load_that_comes_to_a_sheave_stops_the_run() -> None:
 def test_a_rope_that_runs_out_says_so() -> None:
     result = hoist(20, 0.0, 6.0)
     assert result.attrs["outcome"] == "line ran out"
-    assert "a line has run over a sheave up to its end" in result.attrs["advice"]
+    assert "a line has moved over a sheave up to its end" in result.attrs["advice"]
     assert 1.0 < result.time.values[-1] < 2.0
     assert np.abs(form(result, "imbalance")).max() < 1e-2 * form(result, "support_work")[-1]
 

@@ -82,7 +82,7 @@ def test_what_friction_does_not_bear_is_doubted() -> None:
 
 def test_a_load_does_not_pass_a_sheave() -> None:
     scenario = motion("free sheave", load={"kind": "mass", "mass": 0.1, "travel": {"speed": 20.0, "from": 9.0}})
-    with pytest.raises(RopewalkError, match=r"loads\.a\.travel: .*has come to a sheave"):
+    with pytest.raises(RopewalkError, match=r"loads\.a\.travel: .*reaches a sheave"):
         superposed(scenario)
 
 

@@ -32,11 +32,11 @@ MISTAKES = {
         "run: {kind: dynamic", "wind: {direction: [1, 0], speed: 5}\nrun: {kind: dynamic",
         9, "wind", "wind acts on nothing",
     ),
-    "an idle joint": ("\nloads", "\n  idle: {mass: 1}\nloads", 7, "joints.idle", "nothing is joined to it"),
+    "an idle joint": ("\nloads", "\n  idle: {mass: 1}\nloads", 7, "joints.idle", "no line is joined to it"),
     "no such joint": ("to: a, at: 2", "to: kot", 4, "lines.c.end_support.to", "did you mean knot"),
     "itself": ("to: a, at: 2", "to: c, at: 2", 4, "lines.c.end_support.to", "cannot be joined to itself"),
-    "place on a joint": ("to: a, at: 2", "to: knot, at: 2", 4, "lines.c.end_support.at", "a joint is one place"),
-    "no place on a line": ("to: a, at: 2", "to: a", 4, "lines.c.end_support.at", "where along that line"),
+    "place on a joint": ("to: a, at: 2", "to: knot, at: 2", 4, "lines.c.end_support.at", "a joint is a single point"),
+    "no place on a line": ("to: a, at: 2", "to: a", 4, "lines.c.end_support.at", "position along that line"),
     "off the line": ("to: a, at: 2", "to: a, at: 6", 4, "lines.c.end_support.at", "is off the line a (5 m long)"),
     "no such joint for a sheave": (
         "{start: [9, 0],", "{sheaves: {w: {at: [7, -1], to: kno}}, start: [9, 0],",
@@ -44,7 +44,7 @@ MISTAKES = {
     ),
 }  # fmt: skip
 ON_NETS = {
-    "no path": (", path: [[1, 1], [3, 1]]", "", 4, "loads.p.travel.path", "a load on a net needs it"),
+    "no path": (", path: [[1, 1], [3, 1]]", "", 4, "loads.p.travel.path", "required for a load on a net"),
     "no length": ("[[1, 1], [3, 1]]", "[[1, 1], [1, 1]]", 4, "loads.p.travel.path", "the path has no length"),
     "beyond the end": ("speed: 1,", "speed: 5,", 4, "loads.p.travel.speed", "5 m along its path of 2 m"),
 }  # fmt: skip

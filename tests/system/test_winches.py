@@ -118,10 +118,10 @@ def test_small_motion_stays_within_a_dead_band(band: float | None, quarters: flo
 
 
 WRONG: list[tuple[dict[str, Any], dict[str, Any], str]] = [
-    ({"force": 0.0}, {}, "what tension the winch keeps"),
+    ({"force": 0.0}, {}, "tension that the winch maintains"),
     ({"stiffness": 1e3}, {}, "a winch has no spring"),
     ({"winch": {"speed_limit": 0.0}}, {}, "speed_limit"),
-    ({}, {"kind": "quasistatic", "positions": 3}, "within its dead band a winch stands anywhere"),
+    ({}, {"kind": "quasistatic", "positions": 3}, "within its dead band the position of a winch"),
     ({}, {"kind": "linear", "until": 1.0}, "no linear spring"),
     ({}, {"method": "rkn6"}, "not implemented for lines that a winch pulls at"),
 ]

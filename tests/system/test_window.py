@@ -81,7 +81,7 @@ def test_what_moves_far_from_a_load_goes_without_a_window() -> None:
     mode = {"start": {"kind": "mode", "amplitude": 0.01}}
     with pytest.raises(ValueError, match=r"a window with start\.kind: mode is not implemented"):
         asked(LINES["hung"], 8.0, run=mode)
-    with pytest.raises(ValueError, match="wind moves all of a line, not only what is near a load"):
+    with pytest.raises(ValueError, match="wind moves the whole line, not only its part near a load"):
         asked({"rope": {**ROPE, "wind_drag": 0.1}}, 8.0, wind={"direction": [0, 1, 0], "speed": 9.0})
     table = {"time": [0, 1], "value": [[0, 0], [0, 1]]}
     with pytest.raises(ValueError, match=r"lines\.rope\.end_support moves its line far from a load, too"):

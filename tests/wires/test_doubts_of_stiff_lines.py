@@ -36,14 +36,14 @@ def test_a_mass_on_a_steep_stiff_line_is_doubtful(
 ) -> None:
     """It moves up and down only: its inertia along the line is left out; a force has none."""
     found = doubts(line, load, start)
-    assert ("load rides where line slopes by" in found) == message
+    assert ("load moves where line has a slope of" in found) == message
     assert ("lines.line.bending_stiffness" in found) == message
 
 
 def test_compression_that_buckles_between_nodes_is_doubtful() -> None:
     """The wave that a sudden force sends along an undamped rope pushes it together; a taut one is only slackened."""
     limp = {k: v for k, v in SLACK.items() if k != "drag"} | {"bending_stiffness": 1e-9}
-    assert "line is pushed together with" in doubts({**limp, "elements": 200}, FORCE, 5.0, 0.15)
+    assert "line is compressed by" in doubts({**limp, "elements": 200}, FORCE, 5.0, 0.15)
     assert "pushed together" not in doubts({**TAUT, "elements": 200}, FORCE, 5.0, 0.15)
 
 

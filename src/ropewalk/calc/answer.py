@@ -101,7 +101,7 @@ class Answer(Mapping[str, float]):
         return rows
 
     def as_dict(self) -> dict[str, Any]:
-        """Everything with its unit, for JSON; None is what is not finite."""
+        """Everything with its unit, for JSON; None for a value that is not finite."""
         found: dict[str, Any] = {"calculator": self.calculator, **self.chosen, "quantities": {}}
         for name, value in self.values_in_si.items():
             unit, kept = self.quantities[name].unit, None if isinf(value) else value

@@ -199,7 +199,7 @@ class _Search:
                 [
                     Problem(
                         ", ".join(results), f"no {' and '.join(unknown)} gives {what}", self._givens(*results),
-                        f"change what is given, or leave {results[0]} out and give {unknown[0]}",
+                        f"change a given quantity, or leave {results[0]} out and give {unknown[0]}",
                     )
                 ]
             )  # fmt: skip
@@ -242,7 +242,7 @@ class _Search:
                 first = in_words(self.calculator.quantities, [name], values) if name in values else "nothing"
                 problems.append(
                     Problem(
-                        name, f"contradicts what else is given, from which {first} follows",
+                        name, f"contradicts the other given quantities, from which {first} follows",
                         in_words(self.calculator.quantities, [name], self.targets),
                         f"leave out one of {', '.join([name, *rest])}{self._defaults(name)}",
                     )

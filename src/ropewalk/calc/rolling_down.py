@@ -59,7 +59,7 @@ def way(
     first, last = margin, length - margin
     arrival = length - brake_distance
     if not first < arrival <= last:
-        raise ValueError("margin and brake_distance leave no way on the rope")
+        raise ValueError("margin and brake_distance leave no travel on the rope")
     share = 0.5 * (1.0 - np.cos(np.linspace(0.0, pi, PLACES)))
     s = np.unique(np.concatenate([first + (last - first) * share, [arrival]]))
     weight, P, compliance = mass * gravity, load * gravity, 1.0 / axial_stiffness
@@ -120,7 +120,7 @@ def _equal_tensions(
             break
         y, now = new, ahead
     if not np.abs(now).max() < 1e-8:
-        raise ValueError("the pulley finds no place: the rope is too slack beside the anchors; enlarge margin")
+        raise ValueError("no position of the pulley exists: the rope is too slack next to the anchors; enlarge margin")
     return y
 
 
@@ -161,7 +161,7 @@ _OF_BRAKE = "for a stop between brake_distance and margin before the lower ancho
 
 zipline = Calculator(
     "zipline",
-    "Zip line: speed on the way, at the brake, tension, and what a brake must do.",
+    "Zip line: speed along the rope and at the brake, tension, and required braking.",
     (
         SPAN,
         height("of the lower anchor above the upper one: negative"),
@@ -176,7 +176,8 @@ zipline = Calculator(
         CalcValue("push", "m/s", "speed at the beginning", default=0.0, search=(0.01, 100.0), zero=True),
         CalcValue("brake_distance", "m", "of the beginning of the brake from the lower anchor, along the rope",
                  default=10.0, search=(0.1, 1e3)),
-        CalcValue("margin", "m", "of the beginning of the way from the upper anchor, and of its end from the lower one",
+        CalcValue("margin", "m", "distance of the start of the travel from the upper anchor, and of its end from the "
+                                 "lower one",
                  default=1.0, search=(0.1, 1e2)),
         GRAVITY,
     ),
@@ -184,8 +185,8 @@ zipline = Calculator(
         depth("bare_sag", "with nobody on the rope"),
         force("bare_tension", "level part of the tension, with nobody on the rope"),
         depth("largest_depth", "of the pulley below the straight line between the anchors"),
-        force("largest_tension", "on the way, anywhere on the rope"),
-        CalcValue("arrival_speed", "m/s", "where the brake begins", search=(1e-3, 1e3)),
+        force("largest_tension", "largest along the rope"),
+        CalcValue("arrival_speed", "m/s", "at the start of the brake", search=(1e-3, 1e3)),
         CalcValue("top_speed", "m/s", "on the way"),
         CalcValue("time", "s", "until the brake"),
         CalcValue("energy", "J", "that the brake must take, that of the slope behind it included"),
@@ -193,7 +194,7 @@ zipline = Calculator(
         CalcValue("deceleration", "m/s^2", "mean of such a stop, on the level"),
         CalcValue("brake_spring", "N/m", f"stiffness of a spring {_OF_BRAKE}"),
         force("brake_spring_force", "largest of that spring"),
-        CalcValue("brake_damping", "N*s/m", "of an eddy-current brake that stops it on that way, on the level"),
+        CalcValue("brake_damping", "N*s/m", "of an eddy-current brake that stops it over that distance, on the level"),
     ),
     {
         "bare": bare,

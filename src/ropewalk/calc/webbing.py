@@ -75,7 +75,7 @@ highline = Calculator(
         SPAN,
         CalcValue("standing_tension", "N", "with nobody on the line", search=(1.0, 1e6), typical=2e3, zero=True),
         replace(AXIAL_STIFFNESS, default=None, about="EA of webbing: 10 kN over the stretch at 10 kN", typical=1e5),
-        CalcValue("at", "N", "tension at which the stretch is told", default=10e3, search=(1.0, 1e6), typical=1e4),
+        CalcValue("at", "N", "tension at which the stretch is specified", default=10e3, search=(1.0, 1e6), typical=1e4),
         CalcValue("mass", "kg", "of the person", search=(0.1, 1e5), typical=70.0),
         CalcValue(
             "place", "dimensionless", "part of webbing behind the person", high=1.0, default=0.5, share=True,

@@ -31,8 +31,7 @@ from ropewalk.solve.splitting import END_OF_LINE, MET, RUNNING
 from ropewalk.solve.start import PreparedRun, setting_of
 
 _SHORTENED = (
-    "lines.{line}.axial_damping makes the step {times:.2g} times shorter than it is without: lower it, or write fewer "
-    "elements"
+    "lines.{line}.axial_damping reduces the stable step by a factor of {times:.2g}: lower it, or write fewer elements"
 )
 _COMPRESSION = (
     "at t = {time:.4g} s line {line} is in compression without any damping: a chain cannot carry that, and "

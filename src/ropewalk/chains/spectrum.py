@@ -38,7 +38,7 @@ def state_at(scenario: Scenario, t: float) -> tuple[PreparedRun, ChainState, Bod
         chain.motion.to(t)
     if chain.progress.status != RUNNING:
         outcome, advice = chain.progress.ending()
-        raise RopewalkError(f"the run did not come to t = {t:g} s ({outcome}): {advice}")
+        raise RopewalkError(f"the run did not reach t = {t:g} s ({outcome}): {advice}")
     return chain.setting, chain.state, chain.bodies
 
 
@@ -60,7 +60,8 @@ def spectrum_of(scenario: Scenario, at: float | None, how_many: int | None, *, w
         if len(rests) < len(setting.bare):
             name = setting.lines[setting.bare.index(None)]
             raise EquilibriumError(
-                f"line {name}: without loads its rest shape is not determined; ask for an instant of the run instead"
+                f"line {name}: without loads its equilibrium is not determined; write an instant of the run (--at) "
+                "instead"
             )
         state = start_state(setting, False)
         state.moving_load[:] = OFF

@@ -56,7 +56,7 @@ if TYPE_CHECKING:
 
 app = typer.Typer(
     name="ropewalk",
-    help="What travels along slender flexible structures: loads on ropes, beams, overhead lines and nets.",
+    help="Simulate loads that travel along ropes, beams, overhead lines and nets.",
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,  # rich takes longer to import than the rest together
@@ -76,7 +76,7 @@ def _common(
     version: Annotated[
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
     ] = False,
-    traceback: Annotated[bool, typer.Option("--traceback", help="Show where an error comes from.")] = False,
+    traceback: Annotated[bool, typer.Option("--traceback", help="Print the traceback of an error.")] = False,
 ) -> None:
     TRACEBACK.set(traceback)
 
@@ -88,10 +88,10 @@ def new(
         typer.Argument(metavar="[NAME]", help="Name of the scenario and its file [default: list the templates]."),
     ] = None,
     trade: Annotated[
-        str, typer.Option("--template", "-t", metavar="TEMPLATE", help="What to begin with, as ropeway or highline.")
+        str, typer.Option("--template", "-t", metavar="TEMPLATE", help="Template, for example ropeway or highline.")
     ] = "rope",
 ) -> None:
-    """Write a first scenario, or list the templates. NAME.yaml has comments in the words of its trade."""
+    """Write a first scenario, or list the templates. NAME.yaml is commented for its application."""
     with reported():
         from ropewalk.scenario.template import template, trades
 
@@ -112,7 +112,7 @@ def new(
 
 @app.command()
 def check(file: ScenarioFile, settings: Settings = None) -> None:
-    """Find every mistake in a scenario; tell what its run takes."""
+    """List every mistake in a scenario; estimate its run time."""
     with reported():
         scenario = load_scenario(file, settings)
         if scenario.loads:
@@ -121,7 +121,7 @@ def check(file: ScenarioFile, settings: Settings = None) -> None:
             import_module("ropewalk.sweeps.plan").Plan.of(scenario, scenario.sweep)
         names = ", ".join((*scenario.lines, *scenario.overhead_lines, *scenario.loads))
         work, warnings = foreseen(file, scenario)
-        echo(f"{file}: fine ({scenario.title}: {names}; {scenario.run.kind})\n{work}")
+        echo(f"{file}: valid ({scenario.title}: {names}; {scenario.run.kind})\n{work}")
         for warning in warnings:
             echo(f"warning: {warning}")
 
@@ -169,7 +169,7 @@ def _close(dataset: xr.Dataset, file: Path, remark: str, units: DisplayUnits, *,
         found = summary(dataset)
     print_summary({"file": str(file), **found}, as_json, quiet, units)
     if not quiet:
-        say(f"result in {file}{remark}")
+        say(f"result written to {file}{remark}")
     finish(found, file)
 
 
@@ -184,7 +184,7 @@ def resume(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Go on with a run that was interrupted, or is to be longer. The result file goes on, too."""
+    """Continue a run that was interrupted or is to be longer. The result file is extended."""
     with reported(result):
         end = None if until is None else quantity_of(until, "s")
         displayed = display_units(units)
@@ -194,7 +194,7 @@ def resume(
             if is_code_forbidden():
                 import_module("ropewalk.external.models").refuse_code(rest.scenario.loads)
             if not quiet:
-                say(f"going on from t = {rest.begin:.6g} s")
+                say(f"continuing from t = {rest.begin:.6g} s")
             with progress_of_run(rest.scenario, quiet) as progress:
                 dataset = rest.run(progress, partial(open_unless_interrupted, result))
         _close(dataset, result, "", displayed, as_json=as_json, quiet=quiet)
@@ -234,7 +234,7 @@ def show(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Print the summary of a result, or draw, film or export it. The suffix says what."""
+    """Print the summary of a result, or draw, film or export it. The suffix of OUT selects the format."""
     with reported():
         if (many := import_module("ropewalk.sweeps.writing").read(result)) is not None:
             import_module("ropewalk.sweeps.command").tell(many, output or [], as_json, quiet)
@@ -260,7 +260,7 @@ def _check_choices(kinds: set[str], rows: str | list[str] | None, panels: str | 
     if rows and (panels or not kinds & {*TABLE_SUFFIXES}):
         fail(f"--every and --at choose the rows of tables; write one with -o OUT{', OUT'.join(TABLE_SUFFIXES)}")
     if panels and not kinds & {*FIGURE_SUFFIXES, *TABLE_SUFFIXES}:
-        fail(f"--panels chooses what a figure shows; write one with -o OUT{', OUT'.join(FIGURE_SUFFIXES)}")
+        fail(f"--panels chooses the panels of a figure; write one with -o OUT{', OUT'.join(FIGURE_SUFFIXES)}")
     if size and not kinds & {*FIGURE_SUFFIXES, *FILM_SUFFIXES}:
         fail("--size is that of a figure or a film; write one with -o")
 
@@ -280,25 +280,25 @@ def figures(
         known = {str(entry): entry for entry in paper.AVAILABLE}
         for name in only or ():
             if name not in known:
-                fail(f"--only {name}: there is no such figure; there are {', '.join(known)}")
+                fail(f"--only {name}: unknown figure; choose from {', '.join(known)}")
         with progress_bar("drawing", quiet) as progress:
             paper.figures(output, only=[known[name] for name in only] if only else None, progress=progress)
         if not quiet:
-            say(f"figures in {output}")
+            say(f"figures written to {output}")
 
 
 @app.command()
 def spectrum(
     file: ScenarioFile,
     at: Annotated[
-        float | None, typer.Option("--at", metavar="TIME", help="Instant of the run in s [default: at rest].")
+        float | None, typer.Option("--at", metavar="TIME", help="Instant of the run in s [default: equilibrium].")
     ] = None,
     output: Picture = None,
     no_code: NoCode = False,
     settings: Settings = None,
     as_json: Json = False,
 ) -> None:
-    """Compute natural frequencies and damping; draw the modes. They decide the method."""
+    """Compute natural frequencies and damping; draw the modes."""
     with reported():
         check_pictures(output, FIGURE_SUFFIXES)
         found = import_module("ropewalk.simulate").spectrum_of(load_scenario(file, settings, no_code), at=at)
@@ -313,7 +313,7 @@ def spectrum(
 
 @app.command()
 def feedback(file: ScenarioFile, no_code: NoCode = False, settings: Settings = None, as_json: Json = False) -> None:
-    """Compare a run with that of its loads on rigid ground. Does the coupling matter?"""
+    """Compare a run with its loads on rigid ground. Shows the effect of the coupling."""
     with reported():
         found = import_module("ropewalk.coupling").feedback(load_scenario(file, settings, no_code))
         if as_json:
@@ -337,7 +337,7 @@ def compare(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Compare simpler models with the full one. Is one of them, from the linear theory upwards, good enough?"""
+    """Compare simpler models with the full one. Names the simplest adequate model."""
     with reported():
         check_pictures(output, FIGURE_SUFFIXES)
         scenario = load_scenario(file, settings, no_code)
@@ -375,7 +375,7 @@ def export(
         float | None, typer.Option("--contact-stiffness", metavar="N/m", help="Stiffness of its springs at contacts.")
     ] = None,
     contact_damping: Annotated[
-        float, typer.Option("--contact-damping", metavar="N*s/m", help="Damping beside these springs.")
+        float, typer.Option("--contact-damping", metavar="N*s/m", help="Damping parallel to these springs.")
     ] = 0.0,
     step: Annotated[
         float, typer.Option("--step", metavar="TIME", help="Step in s that a master is expected to take.")
@@ -384,18 +384,18 @@ def export(
     settings: Settings = None,
     quiet: Quiet = False,
 ) -> None:
-    """Write a line or a vehicle as an FMU for co-simulation. A line comes with its supports; FMI 2.0."""
+    """Write a line or a vehicle as an FMU for co-simulation. A line includes its supports; FMI 2.0."""
     with reported():
         what = [name for name in (line, load) if name is not None]
         if len(what) != 1:
-            fail("say what to export: --line NAME or --load NAME")
+            fail("nothing to export is named; write --line NAME or --load NAME")
         if give not in (None, "force", "motion"):
             fail(f"--give {give}: write force or motion")
         scenario = load_scenario(file, settings, no_code)
         names = [*scenario.lines, *scenario.overhead_lines] if line is not None else [*scenario.loads]
         if what[0] not in names:
             kind, known = "line" if line is not None else "load", ", ".join(names) or "none"
-            fail(f"{file} has no {kind} {what[0]}; there are: {known}")
+            fail(f"{file} has no {kind} {what[0]}; choose from: {known}")
         import_module("ropewalk.cosim").export(
             scenario, what[0], output, causality=give, contacts=contacts, contact_stiffness=contact_stiffness,
             contact_damping=contact_damping, every=step,
@@ -407,14 +407,14 @@ def export(
 @app.command("warm-up")
 def warm_up(
     file: Annotated[
-        Path | None, typer.Argument(metavar="[FILE]", help="Scenario file [default: what most runs need].")
+        Path | None, typer.Argument(metavar="[FILE]", help="Scenario file [default: kernels of most runs].")
     ] = None,
     workers: Workers = None,
     no_code: NoCode = False,
     settings: Settings = None,
     quiet: Quiet = False,
 ) -> None:
-    """Compile ahead of the first run, for images and clusters. What a scenario needs, or what most do."""
+    """Compile ahead of the first run, for images and clusters. Kernels of one scenario, or of most runs."""
     with reported():
         warming = import_module("ropewalk.warming")
         groups = warming.COMMON if file is None else warming.alone(str(file), load_scenario(file, settings, no_code))

@@ -20,7 +20,7 @@ def calc(
     given: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[KEY=VALUE]...", help="Given quantities, as span=63m; sag=? asks for it alone [default: list]."
+            metavar="[KEY=VALUE]...", help="Given quantities, as span=63m; sag=? prints this one only [default: list]."
         ),
     ] = None,
     units: Annotated[

@@ -78,8 +78,7 @@ def open_unless_interrupted(target: Path, path: Path) -> xr.Dataset:
 
     if is_interrupted():
         fail(
-            f"interrupted; what was computed is kept in {target}. `ropewalk show {target}` prints its summary.",
-            INTERRUPTED,
+            f"interrupted; the computed part is kept in {target}. `ropewalk show {target}` prints its summary.", INTERRUPTED
         )
     return open_arrays(path)
 
@@ -91,11 +90,11 @@ def finish(found: dict[str, Any], target: Path) -> None:
         return
     advice = f"\n{found['advice']}" if found["advice"] else ""
     if outcome == "interrupted":
-        fail(f"interrupted; what was computed is kept in {target}{advice}", INTERRUPTED)
+        fail(f"interrupted; the computed part is kept in {target}{advice}", INTERRUPTED)
     if outcome == "doubtful":
         report = "\n".join(found["doubts"])
-        fail(f"the run went through, but must not be trusted; it is kept in {target}\n{report}", DOUBTFUL)
-    fail(f"the run stopped early: {outcome}; what was computed is kept in {target}{advice}", STOPPED_EARLY)
+        fail(f"the run finished, but its results are unreliable; they are kept in {target}\n{report}", DOUBTFUL)
+    fail(f"the run stopped early: {outcome}; the computed part is kept in {target}{advice}", STOPPED_EARLY)
 
 
 def display_units(text: str) -> DisplayUnits:
@@ -239,7 +238,7 @@ def progress_of_run(scenario: Scenario, quiet: bool) -> Iterator[Progress | None
     from ropewalk.simulate import must_compile
 
     if not quiet and (how_long := must_compile(scenario)):
-        say(f"compiling, once for each kind of structure ({how_long} on a quiet machine)")
+        say(f"compiling the kernels for this type of structure, once ({how_long} on a quiet machine)")
     with progress_of_many(quiet) as report:
         if report is None:
             yield None
@@ -307,7 +306,7 @@ def _in_lines() -> Report:
 
 
 def foreseen(file: Path, scenario: Scenario) -> tuple[str, list[str]]:
-    """What a run will be, in words, and what is to be remarked of how it begins; leaves where it would not begin."""
+    """What a run will be, in words, and warnings of its start; fails if it would not start."""
     from ropewalk.cli.deadline import Overdue, deadline
     from ropewalk.effort import foreseen as words
     from ropewalk.errors import RopewalkError
@@ -316,14 +315,14 @@ def foreseen(file: Path, scenario: Scenario) -> tuple[str, list[str]]:
         with progress_of_many(quiet=False) as report, _compiling(report), deadline(PATIENCE):
             return words(scenario)
     except Overdue:
-        return f"how its run begins was not found within {PATIENCE:g} s of computing, and is not looked for here", []
+        return f"the start of the run was not evaluated within {PATIENCE:g} s of computing time; no estimate", []
     except RopewalkError as problem:
-        fail(f"{file}: no mistake was found, but its run would not begin: {problem}", STOPPED_EARLY)
+        fail(f"{file}: the file has no mistake, but its run would not start: {problem}", STOPPED_EARLY)
         raise
 
 
 def foretell(scenario: Scenario) -> Callable[[Run, RunInfo], None]:
-    """Say of a run that begins what is to be remarked of it already, and how long it will be if that is long."""
+    """Print the warnings of a run that begins, and its estimated time if that is long."""
 
     def begun(run: Run, run_info: RunInfo) -> None:
         from ropewalk.effort import effort_of
@@ -342,7 +341,7 @@ def now_called(new: str) -> Callable[[CallbackParam, Any], Any]:
 
     def used(option: CallbackParam, value: Any) -> Any:
         if value:
-            say(f"{option.opts[0]} is called {new} now; the old name goes with the next release")
+            say(f"{option.opts[0]} was renamed to {new}; the old name will be removed in the next release")
         return value
 
     return used
@@ -355,7 +354,7 @@ def reported(target: Path | None = None) -> Iterator[None]:
     _READ.set(None)  # of a command before, in the same process
 
     def kept() -> str:
-        return f"; what was computed is kept in {target}" if _stamp(target) != before else ""
+        return f"; the computed part is kept in {target}" if _stamp(target) != before else ""
 
     note_kept(kept)
     try:
@@ -395,13 +394,13 @@ def _explain(problem: Exception, partial: Path | None) -> None:
         problem = placed(problem, *read)
     if not isinstance(problem, RopewalkError):
         if is_interrupted():  # what libraries make of it
-            fail("interrupted" + (f"; what was computed is kept in {partial}" if partial else ""), INTERRUPTED)
+            fail("interrupted" + (f"; the computed part is kept in {partial}" if partial else ""), INTERRUPTED)
         kind = type(problem).__name__
         say(f"ropewalk failed ({kind}: {problem}); this is a fault of ropewalk, not of your input")
-        fail("please report it with what `ropewalk --traceback ...` says on the same command", FAULT)
+        fail("please report it with the output of `ropewalk --traceback ...` for the same command", FAULT)
     say(str(problem))
     if isinstance(problem, ScenarioError) or (isinstance(problem, ResultError) and not isinstance(problem, WriteError)):
         raise typer.Exit(BAD_INPUT)
     if partial is not None:
-        say(f"what was computed is kept in {partial}")
+        say(f"the computed part is kept in {partial}")
     raise typer.Exit(STOPPED_EARLY)

@@ -13,24 +13,24 @@ from ropewalk.cli.options import Json, ScenarioFile, Settings
 
 def elasticity(
     file: ScenarioFile,
-    force: Annotated[str, typer.Option("--force", help="Upwards on the contact wire.")] = "100 N",
-    span: Annotated[int | None, typer.Option("--span", help="Counted from 1 [default: the first analysed].")] = None,
+    force: Annotated[str, typer.Option("--force", help="Upward force on the contact wire.")] = "100 N",
+    span: Annotated[int | None, typer.Option("--span", help="Its number [default: the first analysed].")] = None,
     side_load: Annotated[
-        str, typer.Option("--side-load", metavar="N/m", help="Of the wind on the contact wire, level and across it.")
+        str, typer.Option("--side-load", metavar="N/m", help="Lateral wind force on the contact wire, per length.")
     ] = "0 N/m",
     settings: Settings = None,
     as_json: Json = False,
 ) -> None:
-    """Elasticity and wave speeds of overhead lines. Also reflection, Doppler factor, amplification and blow-off."""
+    """Elasticity and wave speeds of overhead lines. Also reflection, Doppler factor, amplification and wind."""
     with reported():
         scenario = load_scenario(file, settings)
         if not scenario.overhead_lines:
-            fail(f"{file}: has no overhead line; ropewalk spectrum tells of other lines")
+            fail(f"{file}: has no overhead line; use ropewalk spectrum for other lines")
         push, load = quantity_of(force, "N"), quantity_of(side_load, "N/m")
         if push <= 0.0:
             fail(f"--force {force}: write a force above 0 N")
         if load < 0.0:
-            fail(f"--side-load {side_load}: write 0 N/m or more; both directions are looked at")
+            fail(f"--side-load {side_load}: write 0 N/m or more; both directions are evaluated")
         for name, line in scenario.overhead_lines.items():
             if span is not None and not 1 <= span <= len(line.span_lengths):
                 fail(f"--span {span}: overhead line {name} has spans 1 to {len(line.span_lengths)}")
@@ -64,10 +64,10 @@ def _rows(name: str, found: dict[str, Any]) -> list[tuple[str, ...]]:
         ]
     load, value = found["wind_deflection"]["load"], found["wind_deflection"]["value"]
     if load or value:
-        rows.append((f"contact wire aside under {load:g} N/m", f"at most {1e3 * value:.0f} mm"))
+        rows.append((f"lateral deflection of the contact wire under {load:g} N/m", f"at most {1e3 * value:.0f} mm"))
     forces, strip = [abs(force) for force in found["arms"].values()], found["strip"]
     if any(forces):
-        rows.append(("pull of steady arms aside", f"{min(forces):.0f} to {max(forces):.0f} N"))
+        rows.append(("lateral force of the steady arms", f"{min(forces):.0f} to {max(forces):.0f} N"))
         for begin, end, share in zip(strip["edges"], strip["edges"][1:], strip["share"], strict=False):
-            rows.append((f"way on the head from {1e3 * begin:.0f} to {1e3 * end:.0f} mm", f"{100 * share:.1f} %"))
+            rows.append((f"contact on the head, {1e3 * begin:.0f} to {1e3 * end:.0f} mm", f"{100 * share:.1f} %"))
     return rows

@@ -30,17 +30,17 @@ def adequacy(
     model: Annotated[list[str], typer.Option("--model", help="Simpler model; may be repeated.")] = ["linear"],  # noqa: B006
     rung: Annotated[list[str] | None, typer.Option(hidden=True, callback=now_called("--model"))] = None,
     quantity: Annotated[str, typer.Option("--quantity", help="Quantity that is compared.")] = "deflection",
-    tolerance: Annotated[str, typer.Option("--tolerance", help="Allowed relative distance, 0.02 or 2 %.")] = "5 %",
+    tolerance: Annotated[str, typer.Option("--tolerance", help="Allowed relative error, 0.02 or 2 %.")] = "5 %",
     store: Annotated[Path | None, typer.Option("--store", help="Points [default: FILE.adequacy.jsonl].")] = None,
     workers: Workers = None,
-    retry: Annotated[bool, typer.Option("--retry", help="Compute points that have failed once more.")] = False,
+    retry: Annotated[bool, typer.Option("--retry", help="Repeat failed points.")] = False,
     output: Picture = None,
     no_code: NoCode = False,
     settings: Settings = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Map where in a plane of two parameters a model suffices. Goes on where a map was stopped."""
+    """Map the accuracy of simpler models over two parameters. Continues an interrupted map."""
     with reported(), progress_of_many(quiet) as progress:
         check_pictures(output, FIGURE_SUFFIXES)
         model = rung or model
@@ -59,11 +59,11 @@ def adequacy(
 def sweep(
     file: ScenarioFile,
     over: Annotated[
-        list[str] | None, typer.Option("--over", metavar="KEY=VALUES", help="What varies: 100:350:5km/h, or a,b,c.")
+        list[str] | None, typer.Option("--over", metavar="KEY=VALUES", help="Key, values: 100:350:5km/h, or a,b,c.")
     ] = None,
     derive: Derive = None,
     record: Annotated[
-        str | None, typer.Option("--record", metavar="NAMES", help="What is kept: 'max tension, largest_sag'.")
+        str | None, typer.Option("--record", metavar="NAMES", help="Recorded quantities: 'max tension, largest_sag'.")
     ] = None,
     output: Annotated[
         list[Path] | None,
@@ -77,18 +77,18 @@ def sweep(
             "--combine", help="grid (default), zip, one_at_a_time, latin_hypercube, sobol, random, morris or saltelli."
         ),
     ] = None,
-    count: Annotated[int | None, typer.Option("--count", help="Number of cases that are drawn, or of groups.")] = None,
-    seed: Annotated[int | None, typer.Option("--seed", help="Seed of drawing.")] = None,
+    count: Annotated[int | None, typer.Option("--count", help="Number of sampled cases, or of groups.")] = None,
+    seed: Annotated[int | None, typer.Option("--seed", help="Seed of the sampling.")] = None,
     store: Store = None,
     workers: Workers = None,
     cluster: Cluster = None,
-    retry: Annotated[bool, typer.Option("--retry", help="Compute cases that have failed once more.")] = False,
+    retry: Annotated[bool, typer.Option("--retry", help="Repeat failed cases.")] = False,
     no_code: NoCode = False,
     settings: Settings = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Run a scenario many times with other values. On all cores; goes on where a sweep was stopped."""
+    """Run a scenario many times with other values. Uses all cores; continues an interrupted sweep."""
     with reported():
         package, outputs = import_module("ropewalk.sweeps.command"), output or []
         package.check_outputs(outputs)
@@ -107,13 +107,13 @@ def design(
     file: ScenarioFile,
     vary: Annotated[
         list[str] | None,
-        typer.Option("--vary", metavar="KEY=LOW:HIGH", help="What varies, as lines.rope.tension=5:40 kN."),
+        typer.Option("--vary", metavar="KEY=LOW:HIGH", help="Design variable, as lines.rope.tension=5:40 kN."),
     ] = None,
     minimise: Annotated[
-        str | None, typer.Option("--minimise", "--minimize", metavar="QUANTITY", help="What is to be small.")
+        str | None, typer.Option("--minimise", "--minimize", metavar="QUANTITY", help="Quantity to minimise.")
     ] = None,
     maximise: Annotated[
-        str | None, typer.Option("--maximise", "--maximize", metavar="QUANTITY", help="What is to be large.")
+        str | None, typer.Option("--maximise", "--maximize", metavar="QUANTITY", help="Quantity to maximise.")
     ] = None,
     subject_to: Annotated[
         list[str] | None, typer.Option("--subject-to", metavar="LIMIT", help='Limit, as "max strain < 2 %"; repeat it.')
@@ -122,20 +122,20 @@ def design(
     output: Annotated[
         list[Path] | None,
         typer.Option(
-            "-o", "--output", metavar="OUT", help="Best scenario: .yaml; its course: .nc, .csv, .png; repeat it."
+            "-o", "--output", metavar="OUT", help="Best scenario: .yaml; history: .nc, .csv, .png; repeat it."
         ),
     ] = None,
     method: Annotated[
         str | None, typer.Option("--method", help="models (few variables) or optuna (many, noisy).")
     ] = None,
     tolerance: Annotated[
-        float, typer.Option("--tolerance", metavar="PART", help="Of the ways between the bounds, to which it is found.")
+        float, typer.Option("--tolerance", metavar="PART", help="Tolerance, as a fraction of each range.")
     ] = 1e-3,
     first: Annotated[
-        int | None, typer.Option("--first", metavar="N", help="Points all over that are looked at first.")
+        int | None, typer.Option("--first", metavar="N", help="Number of initial points, spread over all ranges.")
     ] = None,
     most: Annotated[
-        int | None, typer.Option("--most", metavar="N", help="Runs of the search [default: 50 per variable].")
+        int | None, typer.Option("--most", metavar="N", help="Maximum number of runs [default: 50 per variable].")
     ] = None,
     seed: Annotated[int, typer.Option("--seed", help="Seed of the first points.")] = 0,
     store: Store = None,
@@ -146,7 +146,7 @@ def design(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Find the best values within limits. Goes on where a search was stopped."""
+    """Find the best values within limits. Continues an interrupted search."""
     with reported():
         package, outputs = import_module("ropewalk.designs.command"), output or []
         package.check_outputs(outputs, file)
@@ -169,17 +169,17 @@ def fit(
     file: ScenarioFile,
     data: Annotated[Path, typer.Option("--data", metavar="CSV", help="Measured values: quantity, value; or series.")],
     vary: Annotated[
-        list[str] | None, typer.Option("--vary", metavar="KEY=LOW:HIGH", help="What is unknown, and its bounds.")
+        list[str] | None, typer.Option("--vary", metavar="KEY=LOW:HIGH", help="Unknown value and its bounds.")
     ] = None,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="OUT.yaml", help="The scenario with the values found.")
+        Path | None, typer.Option("-o", "--output", metavar="OUT.yaml", help="Scenario with the fitted values.")
     ] = None,
     no_code: NoCode = False,
     settings: Settings = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Find unknown values from measured ones. With their intervals."""
+    """Fit unknown values to measured ones. Prints their confidence intervals."""
     with reported():
         package = import_module("ropewalk.designs.command")
         if output is not None:

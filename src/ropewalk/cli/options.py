@@ -24,9 +24,9 @@ Units = Annotated[
         "--units", metavar="UNITS", help="Units of output: engineering, SI, or a list as kN,mm,km/h [JSON is in SI]."
     ),
 ]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no table, errors only.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print errors only, no progress and no table.")]
 Derive = Annotated[
-    list[str] | None, typer.Option("--derive", metavar="KEY=EXPR", help="What follows: run.until='9 m / speed'.")
+    list[str] | None, typer.Option("--derive", metavar="KEY=EXPR", help="Dependent value: run.until='9 m / speed'.")
 ]
 Store = Annotated[Path | None, typer.Option("--store", help="Finished cases [default: FILE.sweep.jsonl].")]
 Workers = Annotated[int | None, typer.Option("--workers", help="Processes [default: one for each core].")]

@@ -17,5 +17,5 @@ class CommandWithOutput(TyperCommand):
         *_, given = self.make_parser(ctx).parse_args(args=list(args))
         for option in given:
             if "--output" in option.opts and not getattr(option, "multiple", False) and given.count(option) > 1:
-                fail(f"--output: is given {given.count(option)} times, and this command writes one file; write it once")
+                fail(f"--output: is given {given.count(option)} times, but this command writes one file; give it once")
         return super().parse_args(ctx, args)

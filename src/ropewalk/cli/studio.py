@@ -18,19 +18,19 @@ def studio(
     port: Annotated[int, typer.Option("--port", metavar="N", help="Port on 127.0.0.1; 0: any that is free.")] = 0,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.")] = True,
     allow_code: Annotated[
-        bool, typer.Option("--allow-code", help="Run scenarios that hold code of somebody: steppers and FMUs.")
+        bool, typer.Option("--allow-code", help="Run scenarios with external code: steppers and FMUs.")
     ] = False,
     memory: Annotated[
-        float, typer.Option("--memory", metavar="GB", help="Most that each process may take; 0: no limit.")
+        float, typer.Option("--memory", metavar="GB", help="Memory limit of each process; 0: no limit.")
     ] = 4.0,
-    pages: Annotated[int, typer.Option("--pages", metavar="N", help="How many pages may compute at once.")] = 4,
-    seconds: Annotated[float, typer.Option("--seconds", metavar="S", help="Longest time of a run.")] = 3600.0,
+    pages: Annotated[int, typer.Option("--pages", metavar="N", help="Limit of pages that compute at once.")] = 4,
+    seconds: Annotated[float, typer.Option("--seconds", metavar="S", help="Time limit of a run.")] = 3600.0,
     workers: Annotated[
         int | None,
         typer.Option("--workers", metavar="N", min=0, help="Processes of a sweep [default: one for each core]."),
     ] = None,
     disk: Annotated[
-        float, typer.Option("--disk", metavar="GB", help="Most that files of the folder may take; 0: no limit.")
+        float, typer.Option("--disk", metavar="GB", help="Disk limit of the files in the folder; 0: no limit.")
     ] = 20.0,
 ) -> None:
     """See, drag, run and share structures in the browser. Served to this machine only."""

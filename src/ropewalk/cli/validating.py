@@ -18,10 +18,8 @@ def validate(
         typer.Option("--only", metavar="PATTERN", help="Rows, as 'bridge*' or string-force.middle; may be repeated."),
     ] = None,
     listed: Annotated[bool, typer.Option("--list", help="List the rows and compute nothing.")] = False,
-    quick: Annotated[bool, typer.Option("--quick", help="Only what takes a second at most.")] = False,
-    faults: Annotated[
-        bool, typer.Option("--faults", help="Each row with a fault in what it looks at: it must differ.")
-    ] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Only rows that take a second at most.")] = False,
+    faults: Annotated[bool, typer.Option("--faults", help="Insert a fault into each row: it must differ.")] = False,
     output: Annotated[
         list[Path] | None,
         typer.Option("-o", "--output", metavar="OUT", help="Page to write: .md, .html or .json; may be repeated."),

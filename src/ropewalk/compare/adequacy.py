@@ -132,7 +132,7 @@ def adequacy(
         model: the simpler model that is asked about.
         quantity: in which it is compared with the full one.
         tolerance: relative distance up to which it is good enough.
-        store: file of JSON lines for the finished points; a call with the same store goes on where the last one was
+        store: file of JSON lines for the finished points; a call with the same store continues where the last one was
             stopped.
         workers: processes, of one thread each (default: one for each core that may be used; 1: none but this).
         progress: called with the number of finished points and that of all.
@@ -259,7 +259,7 @@ def _hash(scenario: Scenario) -> str:
 def _how_to_go_on(done: int, total: int, store: str | os.PathLike[str] | None) -> str:
     if store is None:
         return f"interrupted; {done} of {total} points were done and are lost: with a store they would be kept"
-    return f"interrupted; {done} of {total} points are done and kept in {os.fspath(store)}: the same call goes on there"
+    return f"interrupted; {done} of {total} points are done and kept in {os.fspath(store)}: the same call continues it"
 
 
 def _map(

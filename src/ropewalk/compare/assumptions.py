@@ -60,7 +60,7 @@ class Assumptions:
         ):
             rows.append((what, percent(part)))
         for what, value in (
-            ("V over transverse waves, at rest", self.mach_transverse),
+            ("V over transverse waves, static", self.mach_transverse),
             ("V over transverse waves, ahead of the load", self.mach_at_load),
             ("V over longitudinal waves", self.mach_longitudinal),
         ):

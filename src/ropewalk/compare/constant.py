@@ -115,7 +115,7 @@ class ConstantForces:
                 loads[name], wheels[name] = load, (name,)
                 continue
             if isinstance(load, Axles):
-                raise RopewalkError(f"load {name}: what hangs between the axles of a train of forces is not known")
+                raise RopewalkError(f"load {name}: a train of forces does not define the bodies above its axles")
             for label, wheel in self._wheels(name, load):
                 own, g = self._name(label), self.scenario.gravity
                 weight = -self._static(name, load, label)[-1]
@@ -142,7 +142,9 @@ class ConstantForces:
                 "mass could replace"
             )
         if getattr(load, "also_on", ()):
-            raise RopewalkError(f"load {name}: how its lines share its weight follows from how they yield on the way")
+            raise RopewalkError(
+                f"load {name}: the distribution of its weight to its lines depends on their deflections"
+            )
         if isinstance(load, Travelling):
             return [(wheel.name, wheel) for wheel in wheels_of(self.scenario) if wheel.load == name]
         return [(name, None)]

@@ -56,9 +56,11 @@ def coverage_of(distance: Array, x: Axis, y: Axis, model: str, quantity: str, to
         return Coverage(0, points, without, f"{quantity}: {subject} has no answer anywhere in the plane")
     worst, best = _place(distance, x, y, np.nanargmax(distance)), _place(distance, x, y, np.nanargmin(distance))
     if not adequate:
-        text = f"{subject} is within {limit} of the full answer nowhere in the plane; it comes nearest at {best}"
+        text = f"{subject} is within {limit} of the full answer nowhere in the plane; the smallest error is at {best}"
     elif adequate == points:
-        text = f"{subject} is within {limit} of the full answer everywhere in the plane; it is furthest at {worst}"
+        text = (
+            f"{subject} is within {limit} of the full answer everywhere in the plane; the largest error is at {worst}"
+        )
     else:
         block = largest_block(good)
         share = f"{100.0 * adequate / points:.0f} % of the plane ({adequate} of {points} points)"
@@ -66,7 +68,7 @@ def coverage_of(distance: Array, x: Axis, y: Axis, model: str, quantity: str, to
         rest = adequate - (block[1] - block[0] + 1) * (block[3] - block[2] + 1)
         if rest:
             text += f", and at {rest} more {_points(rest)}"
-        text += f"; it is furthest at {worst}"
+        text += f"; the largest error is at {worst}"
     if without:
         text += f"; {without} {_points(without)} {'have' if without > 1 else 'has'} no answer"
     return Coverage(adequate, points, without, f"{quantity}: {text}")

@@ -42,7 +42,7 @@ def figure(model_hierarchy: ModelHierarchy) -> Figure:
     """Draw the deflection under the load over its place for all models, the local error below, and all distances.
 
     Args:
-        model_hierarchy: as compared; of several wheels, the one is drawn under which the line gives way most.
+        model_hierarchy: as compared; of several wheels, the one is drawn under which the line yields most.
     """
     fig = Figure(figsize=(11.0, 9.2), dpi=style.DPI, layout="constrained")
     upper, middle, lower = fig.subplots(3, 1, height_ratios=(1.25, 1.0, 0.95))

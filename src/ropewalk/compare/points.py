@@ -21,7 +21,7 @@ FORMAT = "ropewalk adequacy"
 VERSION = 1
 _OTHER = {  # what may differ between a store and a map, and how it is said
     "version": "was written in another version of the format",
-    "ropewalk": "was computed by another version of ropewalk, whose numbers may differ",
+    "ropewalk": "was computed by another version of ropewalk, numbers may differ",
     "scenario": "belongs to another scenario",
     "x": "has another axis x",
     "y": "has another axis y",

@@ -37,7 +37,7 @@ def pressing_task(scenario: Scenario, found: Mapping[str, Trace]) -> WireTask:
     for prescribed_motion, name in zip(task.prescribed_motions, task.contacts, strict=True):
         load = load_of(scenario, name)
         if not isinstance(load, Pantograph):
-            raise RopewalkError(f"load {name} beside pantographs is not supported by compare; leave it out")
+            raise RopewalkError(f"load {name} together with pantographs is not supported by compare; leave it out")
         mean = float(np.nanmean(found[name].force[:, -1]))
         prescribed_motions.append(_pressed(prescribed_motion, mean, load.ramp))
     return replace(task, prescribed_motions=tuple(prescribed_motions), displayed=())

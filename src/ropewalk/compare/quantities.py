@@ -48,7 +48,7 @@ class Quantities:
         return replace(self, supports=kept)
 
     def over(self, path: str) -> Quantities:
-        """The same of a slow motion, which has no time but a path."""
+        """The same of a quasi-static motion, which has no time but a path."""
 
         def renamed(found: Summary | None) -> Summary | None:
             return found and {path if key == "time" else key: value for key, value in found.items()}
@@ -170,7 +170,7 @@ def errors_of(
     Args:
         full, other: what both say.
         ways: differences of the deflections under the wheels.
-        weight: N, of all loads: forces that are nothing beside it are none.
+        weight: N, of all loads: forces that are nothing compared with it are none.
     """
     found: dict[str, float | None] = {}
     for quantity in QUANTITIES:

@@ -110,7 +110,7 @@ class Pair:
         chord = math.dist(start, end)
         length, tension = _at_rest(scenario, name, line)
         if ratio != "mass ratio" and not tension > 0.0:
-            _refuse(ratio, f"{name} has no tension at rest", f"{tension:.4g} N", _plain_key(ratio, self.load))
+            _refuse(ratio, f"{name} has no tension in equilibrium", f"{tension:.4g} N", _plain_key(ratio, self.load))
         return tension, line.mass * length, chord
 
     def _wave_speed(self) -> float:

@@ -73,7 +73,7 @@ class ModelHierarchy:
         return self.of(step.same_as) if step.same_as else step
 
     def adequate(self, model: str) -> bool:
-        """Whether all that is judged of a model is within what is allowed, it came to its end, and is not doubtful."""
+        """Whether all that is judged of a model is within the tolerance, it came to its end, and is not doubtful."""
         step = self.of(model)
         if step.name == FULL:
             return True

@@ -39,7 +39,7 @@ MODELS = (LINEAR, QUASISTATIC, FORCE, MASS, FULL, CUT)
 """From the bottom to the top, and the top with its feedback cut."""
 SIMPLEST_FIRST = (LINEAR, QUASISTATIC, FORCE, CUT, MASS, FULL)
 FRAMES = 200  # of a run, at least: what is between two of them is compared by straight lines
-POSITIONS = 201  # of a slow motion
+POSITIONS = 201  # of a quasi-static motion
 FEW_SEGMENTS = 24  # of constant speed, of a free travel in the linear theory: it looks for waves from every one of them
 
 
@@ -57,20 +57,18 @@ class SimplerModel:
 
 
 def top_of(scenario: Scenario) -> SimplerModel:
-    """The full model: the scenario itself, in time and with all geometry where the package can do that.
+    """The full model: the scenario itself, in time and with nonlinear geometry where the package can do that.
 
     Raises:
         ScenarioError: there is nothing to compare.
     """
     for name, load in scenario.loads.items():
         if isinstance(load, Crowd):
-            wrong, remedy = (
-                "compare supports single people; crowds are not implemented",
-                "write its people as footsteps",
-            )
+            wrong = "compare supports single people; crowds are not implemented"
+            remedy = "write its people as footsteps"
             raise ScenarioError([Problem(f"loads.{name}.kind", wrong, load.kind, remedy)])
     if not scenario.loads:
-        raise ScenarioError([Problem("loads", "nothing travels: there is nothing to compare", remedy="add a load")])
+        raise ScenarioError([Problem("loads", "no load travels: there is nothing to compare", remedy="add a load")])
     for name, load in scenario.loads.items():
         if isinstance(load, Train):
             wrong, remedy = "compare supports single vehicles; trains of them are not implemented", "write kind: axles"
@@ -88,7 +86,7 @@ def top_of(scenario: Scenario) -> SimplerModel:
         loads = {name: without_refusal(load) for name, load in scenario.loads.items()}
         return _complete(
             remade(scenario, loads=loads, run=_finely(moving)),
-            f"the scenario asks for kind: {run.kind}; in full it moves in time, with all geometry",
+            f"the scenario has kind: {run.kind}; the full model is dynamic and geometrically nonlinear",
         )
     except RopewalkError as error:
         text = f"kind: {run.kind} is the fullest model that is supported here: {error}"
@@ -105,7 +103,7 @@ def _finely(run: Dynamic) -> Dynamic:
 
 
 def _duration(scenario: Scenario) -> float:
-    """Time in s that a slow motion stands for: until the last load has left its line or has stopped."""
+    """Time in s that a quasi-static motion stands for: until the last load has left its line or has stopped."""
     *_, last = walk(setting_of(scenario, horizon(scenario)), 2)
     return float(last.t)
 
@@ -167,9 +165,7 @@ class FullModel:
             run = top.run
             assert isinstance(run, Dynamic)
             if run.geometry == "linearised":
-                return SimplerModel(
-                    LINEAR, same_as=FORCE, remark="the scenario asks for linearised geometry throughout"
-                )
+                return SimplerModel(LINEAR, same_as=FORCE, remark="the scenario has linearised geometry")
             small = remade(top, run=Dynamic(until=run.until, every=run.every, geometry="linearised"))
             return SimplerModel(LINEAR, small, pressing_task(small, self.found), contacts_in(self.found))
         loads, wheels = ConstantForces(top, self.found, FEW_SEGMENTS).forces()
@@ -242,7 +238,7 @@ class FullModel:
 
 
 def _ended(travel: Course, until: float) -> Course:
-    """A travel that ends where it is at a time in s, however far its line goes on."""
+    """A travel that ends where it is at a time in s, however far its line continues."""
     speed = travel.speed
     if callable(speed):
         return travel

@@ -52,7 +52,9 @@ class Reach:
         """A sentence about it, without a full stop."""
         within, near = f"{100.0 * self.tolerance:.3g} %", SHORTEST * (self.end - self.begin)
         if not self.beyond:
-            return f"{model} is within {within} all the way, {number(self.begin, 3)} to {number(self.end, 3)} m"
+            return (
+                f"{model} is within {within} along the whole path, {number(self.begin, 3)} to {number(self.end, 3)} m"
+            )
         first, last = self.beyond[0], self.beyond[-1]
         starts, ends = first[0] <= self.begin + near, last[1] >= self.end - near
         worst = f"{percent(self.worst)} off at {number(self.worst_at, 3)} m"
@@ -63,7 +65,7 @@ class Reach:
             more = ", ..." if len(self.beyond) > 3 else ""
             return f"{model} is within {within} but for {parts}{more} ({worst})"
         if ends:
-            rest = f"on the last {number(self.end - first[0], 3)} m of the way"
+            rest = f"on the last {number(self.end - first[0], 3)} m of the path"
             return (
                 f"{model} is within {within} up to {number(first[0], 3)} m from the start; {rest} it is not ({worst})"
             )

@@ -33,7 +33,7 @@ class Trace:
     """A wheel over the frames of a result (or the samples between them); NaN while it is off the line."""
 
     line: str  # that it is on
-    time: Array  # (instant,) s; of slow motion: path of the load, m
+    time: Array  # (instant,) s; of quasi-static motion: path of the load, m
     xi: Array  # (instant,) m
     depth: Array  # (instant,) deflection of the line under it from rest, m, positive where loads press
     force: Array  # (instant, axis) N, on the line

@@ -44,7 +44,7 @@ def thresholds(tolerance: float = TOLERANCE, tolerances: Mapping[str, float] | N
 
 
 def is_adequate(errors: Errors, allowed: Mapping[str, float]) -> bool:
-    """Whether all that is known of a model is within what is allowed, and something is known."""
+    """Whether all that is known of a model is within the tolerance, and something is known."""
     known = {name: errors[name] for name in allowed if errors.get(name) is not None}
     return bool(known) and all(value is not None and value <= allowed[name] for name, value in known.items())
 
@@ -76,8 +76,8 @@ def recommendation(adequate: Mapping[str, bool], same_as: Mapping[str, str], *, 
     if simplest is not None:
         return f"The simplest model that is adequate is {_MODELS[simplest]}."
     if feedback:
-        return "Nothing simpler is adequate: take the full scenario, with its feedback."
-    return "Nothing simpler is adequate: take the full scenario, a moving force with all geometry and inertia."
+        return "Nothing simpler is adequate: use the full scenario, with its feedback."
+    return "Nothing simpler is adequate: use the full scenario, a moving force with nonlinear geometry and inertia."
 
 
 _MODELS = {
@@ -100,7 +100,7 @@ def places(reach: Mapping[str, Reach]) -> list[str]:
 
 def _called(quantity: str) -> str:
     return {
-        "deflection": "the largest deflection", "path": "the deflection under the load along its way",
+        "deflection": "the largest deflection", "path": "the deflection under the load along its path",
         "tension": "the largest tension", "support force": "the largest support force",
         "contact force": "the largest contact force", "speed": "the last speed",
         "hold force": "the largest hold force",

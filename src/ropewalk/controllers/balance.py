@@ -82,7 +82,7 @@ class Upright:
         self._bear(foot, offset)
 
     def step(self, foot: int) -> None:
-        """Put a foot down beside where the body is falling to, and let it bear."""
+        """Put a foot down next to where the body is falling to, and let it bear."""
         before = self._energy()
         away, speed = self._lean(foot)
         self._bear(foot, away + speed / self._rate + self._side(foot) * self.balance.width)

@@ -19,7 +19,7 @@ SLIDES = 0.5
 
 
 class CarrierLine(Protocol):
-    """A line as a load sees it while the motion goes on."""
+    """A line as a load sees it while the motion continues."""
 
     @property
     def length(self) -> float:
@@ -36,7 +36,7 @@ class CarrierLine(Protocol):
         """The xi in m of the line above or below a horizontal place x in m, along x or a level unit vector (x, y)."""
 
     def height(self, x: float, way: Array | None = None) -> float:
-        """Height of the line in m at a horizontal place in m; beyond its ends it goes on straight."""
+        """Height of the line in m at a horizontal place in m; beyond its ends it continues straight."""
 
 
 class Carrier(Protocol):
@@ -129,7 +129,7 @@ class Carrier(Protocol):
         """A twin that may go its own way."""
 
     def go_on(self, h: float) -> None:
-        """Move a twin on by h seconds, or up to where somebody is to be asked."""
+        """Move a twin on by h seconds, or up to the next decision of a person."""
 
 
 class Controller(Protocol):

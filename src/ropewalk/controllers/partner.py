@@ -52,7 +52,7 @@ class Partner(Bearer):
         self._heights = [self.carrier.height(k) for k in self.contacts] if self.interface_coordinates else []
 
     def get_state(self) -> Tree:
-        """What is remembered of the exchange, and what the contacts are doing."""
+        """Stored state of the exchange, and what the contacts are doing."""
         return {
             "turns": self.cosimulation.get_state(self.carrier.stored), "looked": self._looked,
             "heights": list(self._heights), "given": copied(self.carrier.given(self.contacts)),

@@ -46,7 +46,7 @@ class SpringLegWalker:
     """A walker on spring legs, who looks where to put the next foot a hundred times a second.
 
     On firm ground it is the spring-mass walker of theory/gait.py: the leg that swings lands at the angle of attack, a
-    leg that no longer pushes takes off. On a line that gives way, the foot lands no sooner than the body has passed the
+    leg that no longer pushes takes off. On a line that yields, the foot lands no sooner than the body has passed the
     other one, further ahead the faster the body is, and the leg, bent where the line comes up to meet it, is stretched
     again while it stands. The leg behind is longer by what makes up for the energy that the line has taken. All this
     is in the upright plane through the line's chord; `upright` looks after what is across it, if anybody does.
@@ -260,7 +260,7 @@ class SpringLegWalker:
 
     def _leave(self) -> None:
         if self.walker.at_end == "refuse":
-            raise TravelEndedError(f"load {self.name} comes to the end of its line")
+            raise TravelEndedError(f"load {self.name} reaches the end of its line")
         self.gone = True
         for foot in (0, 1):
             self._leg(foot)["watch"] = 0

@@ -73,7 +73,7 @@ class Steps:
             xi %= length
         if not 0.0 <= xi <= length:
             if gait.at_end == "refuse":
-                raise TravelEndedError(f"load {self.name} comes to the end of its line")
+                raise TravelEndedError(f"load {self.name} reaches the end of its line")
             if gait.at_end == "leave":
                 if self._came:
                     self._leave()

@@ -123,7 +123,7 @@ def _check(scenario: Scenario, file: Path) -> None:
         raise _refused("output", "the folder does not exist", str(file.parent), "create it or choose another place")
     if isinstance(scenario.run, Dynamic) and scenario.run.start.kind == "result":
         raise _refused(
-            "run.start", "an FMU does not carry the result that the motion begins with", remedy="begin at rest"
+            "run.start", "an FMU does not carry the result that the motion begins with", remedy="start from equilibrium"
         )
 
 
@@ -160,7 +160,8 @@ def _line(scenario: Scenario, line: str, file: Path, gives: Gives, wish: LineExp
         * wish.contacts, "heights": [float(middle[-1])] * wish.contacts, "measured": wish.measured,
         "span": sorted(float(end[0]) for end in ends), "along": not scenario.has_bending_stiffness, "side": wish.side,
         "stiffness": wish.contact_stiffness, "damping": wish.contact_damping, "until": run.until, "every": wish.every,
-        "step": run.step or 0.0, "step_means": f"largest inner step; 0: as the scenario says, or as stable; {wires}",
+        "step": run.step or 0.0, "step_means": f"largest inner step; 0: run.step of the scenario, or the largest "
+                                               f"stable step; {wires}",
         "axes": _axes(motion), "supports": list(motion.support_forces()),
     }  # fmt: skip
     return {"about.json": json.dumps(given, indent=1), "scenario.yaml": text}, {

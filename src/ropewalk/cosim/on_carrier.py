@@ -49,7 +49,7 @@ class OnCarrier(Stepwise):
                 if self._carrier.is_on(k):
                     self._carrier.take_up(k)
                 continue
-            # The contact stops at an end of the line: what goes on beyond it is lifted with the next step.
+            # The contact stops at an end of the line: what continues beyond it is lifted with the next step.
             end = min(max(given.xi + given.speed * h, 0.0), length)
             push = ContactPush(given.xi, (end - given.xi) / h, np.array(given.first), np.array(given.last))
             self._carrier.apply_push(k, push, h)

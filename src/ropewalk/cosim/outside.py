@@ -120,22 +120,22 @@ class Stepwise:
         """Take a contact off its line."""
         self._contact_input(name).xi = np.nan
 
-    @deprecated("press is called set_force now; the old name goes with the next release")
+    @deprecated("press was renamed to set_force; the old name will be removed in the next release")
     def press(self, *given: Any, **named: Any) -> None:
         """`set_force`, as it was called before."""
         self.set_force(*given, **named)
 
-    @deprecated("lead is called set_motion now; the old name goes with the next release")
+    @deprecated("lead was renamed to set_motion; the old name will be removed in the next release")
     def lead(self, *given: Any, **named: Any) -> None:
         """`set_motion`, as it was called before."""
         self.set_motion(*given, **named)
 
-    @deprecated("lift is called release now; the old name goes with the next release")
+    @deprecated("lift was renamed to release; the old name will be removed in the next release")
     def lift(self, name: str) -> None:
         """`release`, as it was called before."""
         self.release(name)
 
-    @deprecated("sight is called output now; the old name goes with the next release")
+    @deprecated("sight was renamed to output; the old name will be removed in the next release")
     def sight(self, name: str) -> ContactOutput:
         """`output`, as it was called before."""
         return self.output(name)

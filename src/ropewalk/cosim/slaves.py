@@ -25,7 +25,7 @@ ABOUT_FILE, SCENARIO_FILE, VEHICLE_FILE = "about.json", "scenario.yaml", "vehicl
 _UNITS = {"m": (0, 1, 0), "m/s": (0, 1, -1), "N": (1, 1, -2), "N/m": (1, 0, -2), "N.s/m": (1, 0, -1), "s": (0, 0, 1)}
 _AT_END = (
     "true: inputs are values at the end of the step, linear from those given before; false: those at its beginning, "
-    "forces are held and heights go on with their velocity"
+    "forces are held and heights continue with their velocity"
 )
 
 
@@ -139,7 +139,7 @@ class ExportedSlave(Fmi2Slave):  # type: ignore[misc]
 
     def _begin(self) -> None:
         if not self._ready:
-            self._ready = True  # what is asked below may ask again
+            self._ready = True  # the model may ask again
             self.before = {name: self.inputs[name] for name in self.before}
             self.begin()
 
@@ -207,7 +207,7 @@ class LineSlave(ExportedSlave):
         self._sprung = given["gives"] == "force"
         if self._sprung:
             self.parameter("contact_stiffness", "N/m", given["stiffness"], "of the spring between body and line")
-            self.parameter("contact_damping", "N.s/m", given["damping"], "of the damper beside it")
+            self.parameter("contact_damping", "N.s/m", given["damping"], "of the damper parallel to it")
         self.motion: Stepwise | None = None
         self._seen: dict[str, Any] = {}  # looked up since the last step
         self._supports: dict[str, Any] | None = None
@@ -345,7 +345,7 @@ class VehicleSlave(ExportedSlave):
             )
             self.give(f"{name}.velocity", "m/s", "of the same", lambda: float(self.lone_vehicle.heights()[1][i]))
         self.give(
-            f"{name}.place", "m", "of the contact along the line, as the scenario says",
+            f"{name}.place", "m", "of the contact along the line, as in the scenario",
             lambda: float(self.lone_vehicle.forward(self.lone_vehicle.t)[i]),
         )  # fmt: skip
 

@@ -109,7 +109,8 @@ def alone(scenario: Scenario, name: str, *, contact_stiffness: float | None = No
     if not isinstance(load, Pantograph | MovingMass | Oscillator | Vehicle | Matrices):
         why = "is only a force" if isinstance(load, GivenForces) else "is no linear system of masses and springs"
         raise RopewalkError(
-            f"load {name} of kind {load.kind} {why}; what can be exported are mass, oscillator, vehicle, matrices and "
+            f"load {name} of kind {load.kind} {why}; kinds that can be exported are mass, oscillator, vehicle, "
+            "matrices and "
             "pantograph"
         )
     if isinstance(load, Pantograph) and load.head is not None and load.head.roll is not None:

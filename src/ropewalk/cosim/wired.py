@@ -92,7 +92,7 @@ class Wired(Stepwise):
         count = round(h / self.inner)
         if count < 1 or abs(h / self.inner - count) > _WHOLE * count:
             raise RopewalkError(
-                f"a step of {h:g} s was asked for, and wires go on by whole inner steps of {self.inner:.6g} s; "
+                f"a step of {h:g} s was requested, but wires advance by whole inner steps of {self.inner:.6g} s; "
                 "say beforehand by which step it will be moved"
             )
         record = self.motion.go(self._inputs(count * self.inner), count)
@@ -168,11 +168,11 @@ class Wired(Stepwise):
                 else contact_input.first[-1]
             )
             place = place.copy()
-            place[-1] += self._local(outside.on, contact_input.xi) * force[-1]  # beside the spline the wire gives way
+            place[-1] += self._local(outside.on, contact_input.xi) * force[-1]  # next to the spline the wire yields
         return ContactOutput(place, velocity, float(tangent[-1] / tangent[0]) if tangent[0] else np.inf, force)
 
     def _spring(self, outside: Outside, k: int, contact_input: ContactInput, place: Array, velocity: Array) -> float:
-        """Force on the wire of a contact's spring and damper, N; the wire gives way beside its spline."""
+        """Force on the wire of a contact's spring and damper, N; the wire yields next to its spline."""
         gap = contact_input.height - place[-1]
         last = self.motion.stepping.gap[k]
         faster = (gap - last) / self.inner if np.isfinite(last) else contact_input.rise - velocity[-1]

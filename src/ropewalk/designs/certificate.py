@@ -15,7 +15,7 @@ BALANCED = 0.2  # of the gradient, that may be left where limits hold it back
 
 @dataclass(frozen=True)
 class Neighbour:
-    """A point beside the best one, in one variable.
+    """A point next to the best one, in one variable.
 
     Args:
         variable: its number.

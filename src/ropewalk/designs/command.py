@@ -150,7 +150,7 @@ def print_design(found: Design, as_json: bool, quiet: bool) -> None:
 def finish_design(found: Design, store: Path, quiet: bool) -> None:
     """Say how a search has ended, and leave with the exit code that a run of this kind has."""
     if found.outcome == "interrupted":
-        fail(f"interrupted; all runs are kept in {store}: the same command goes on there", INTERRUPTED)
+        fail(f"interrupted; all runs are kept in {store}: the same command continues it", INTERRUPTED)
     if found.best is None:
         near = found.task.nearest()
         reason = "" if near is not None else next((e.outcome.reason for e in found.task.runs.course), "")
@@ -195,7 +195,7 @@ def print_fit(found: Fit, as_json: bool, quiet: bool) -> None:
         rows: list[tuple[str, ...]] = []
         for key, (value, unit) in found.numbers.items():
             low, high = found.intervals[key]
-            between = f"95 %: {low:.6g} to {high:.6g} {unit}" if low == low else "the data do not tell how well"
+            between = f"95 %: {low:.6g} to {high:.6g} {unit}" if low == low else "the data do not determine an interval"
             rows.append((key, f"{value:.6g} {unit}".rstrip(), between.rstrip()))
         rows.append(("left", f"{found.residual:.4g}", "root of the mean square"))
         print_columns(rows)

@@ -45,7 +45,7 @@ def design(
 
     Some points all over the space are computed side by side, the best of them is where the search begins, and around
     what it finds a look is taken whether that is an optimum. Every run is a case of the store, which sweeps share: a
-    design that was stopped goes on where it was. Under `if __name__ == "__main__":`, as `sweep`.
+    design that was stopped continues where it was. Under `if __name__ == "__main__":`, as `sweep`.
 
     Args:
         scenario: what the designs are changes of.
@@ -70,14 +70,16 @@ def design(
         RopewalkError: processes cannot begin, the cluster cannot be reached, or Optuna is missing.
     """
     if (minimise is None) == (maximise is None):
-        refuse("minimise", "one quantity is to be as small or as large as may be", "", "write minimise or maximise")
+        refuse("minimise", "exactly one quantity must be minimised or maximised", "", "write minimise or maximise")
     variables_of(vary)
     limits = limits_of([subject_to] if isinstance(subject_to, str) else subject_to)
     method = method or ("models" if len(vary) <= FEW else "optuna")
     if method not in METHODS:
         refuse("method", "there is no such method", repr(method), did_you_mean(method, METHODS))
     if not 0.0 < tolerance < 0.5:
-        refuse("tolerance", "is a part of the ways between the bounds", f"{tolerance:g}", "write for example 0.001")
+        refuse(
+            "tolerance", "must be a fraction of the range of each variable", f"{tolerance:g}", "write for example 0.001"
+        )
     objective = minimise if minimise is not None else maximise
     assert objective is not None
     record = list(dict.fromkeys([*([] if objective in vary else [objective]), *(limit.name for limit in limits)]))

@@ -31,7 +31,7 @@ class Fit:
         point: (variable,) the best point.
         covariance: (variable, variable) of the values in SI units; NaN where data do not determine them.
         freedom: data beyond unknowns.
-        residual: root of the mean square of what is left, each in its deviation; in SI units where none is given.
+        residual: root of the mean square of the remainder, each in its deviation; in SI units where none is given.
         modelled: (datum,) values of the model at the end, in SI units.
         measured: (datum,) the data.
         runs: computed.

@@ -62,10 +62,10 @@ def gradient(
 ) -> xr.Dataset:
     """Differentiate quantities of a run with respect to numbers of its scenario.
 
-    Equilibria, and what is quasi-static, are solved once. Beside them they follow from the residual of the changed
+    Equilibria, and what is quasi-static, are solved once. Next to them they follow from the residual of the changed
     equations and the factorised stiffness, one substitution for each (direct differentiation, see
     `solve/sensitivity.py`): the route is "direct". Motions, and rests that do not follow (links that do not pull, loads
-    that slip or whose places are searched for on their way, wind, tensions of joined lines), are run beside:
+    that slip or whose places are searched for on their way, wind, tensions of joined lines), need additional runs:
     "differences". Both are differenced over a step and over half of it, and what both together say of a step of zero
     (L. F. Richardson, 1911) is told.
 
@@ -84,7 +84,7 @@ def gradient(
 
     Raises:
         ScenarioError: a quantity or a key is unknown, or a key has no number.
-        RopewalkError: a run beside the scenario has no value; it says why.
+        RopewalkError: an additional run has no value; it says why.
     """
     import xarray as xr
 
@@ -121,7 +121,7 @@ def hinders(scenario: Scenario) -> str:
         return "loads that slip"
     ways = (load.travel.measured for load in scenario.loads.values() if isinstance(load, MovingForce))
     if isinstance(run, Quasistatic) and engine is ROPES and any(way != "material" for way in ways):
-        return "places that are searched for on the way"
+        return "positions that are determined during the run"
     if engine is ROPES or isinstance(run, Linear):
         return ""
     if scenario.wind is not None and not scenario.wind.is_calm:
@@ -191,7 +191,7 @@ def _by_runs(
     scenario: Scenario, keys: Sequence[str], step: float, names: Sequence[str],
     store: str | os.PathLike[str] | None, workers: int | None,
 ) -> _Found:  # fmt: skip
-    """The derivatives by runs beside the scenario.
+    """The derivatives by additional runs.
 
     Raises:
         ScenarioError: a quantity is unknown.

@@ -246,7 +246,7 @@ class Binary3(Binary):
         if status > 1:
             self._refused("fmi3DoStep", status)
         if self._end.value:
-            raise Refusal("fmi3DoStep asks for the end of the simulation", status)
+            raise Refusal("fmi3DoStep requests the end of the simulation", status)
 
     def set(self, setting: StartValue) -> None:
         """Set a variable before the beginning."""

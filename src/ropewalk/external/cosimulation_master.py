@@ -68,7 +68,7 @@ class Bearer:
 
 @dataclass(slots=True)
 class _KeptContact:
-    """What is remembered of a contact that stays where it is or slides along."""
+    """Stored state of a contact that stays where it is or slides along."""
 
     place: Array  # (axis,) m, at the last exchange
     seen: Array  # (axis,) m, as the model saw it
@@ -282,7 +282,7 @@ class CosimulationMaster:
         if 0.0 <= touch.xi <= length:
             return touch.xi
         if self.at_end == "refuse":
-            raise TravelEndedError(f"load {self.name} comes to the end of its line")
+            raise TravelEndedError(f"load {self.name} reaches the end of its line")
         return None if self.at_end == "leave" else min(max(touch.xi, 0.0), length)
 
     # -- Accounts ------------------------------------------------------------------------------------------------

@@ -154,7 +154,7 @@ def _found(file: str) -> Path:
         files = distribution("py-crane").files or []
     except PackageNotFoundError as error:
         raise RopewalkError(
-            f"there is no file {file}, and the package py-crane, whose FMUs may be named alone, is not installed; "
+            f"there is no file {file}, and the package py-crane, which contains FMUs by name, is not installed; "
             'pip install py-crane, or pip install "ropewalk[external]"'
         ) from error
     fmus = {each.name: Path(str(each.locate())) for each in files if each.suffix == ".fmu"}

@@ -113,13 +113,13 @@ class _Reading:
         path = Path(self.load.file)
         if not path.is_file():
             wrong = "is a folder" if path.is_dir() else "there is no such file"
-            return self._report("file", wrong, remedy="it is looked for from the folder in which the command runs")
+            return self._report("file", wrong, remedy="write its path relative to the working directory")
         try:
             with zipfile.ZipFile(path) as archive:
                 names = archive.namelist()
             check_size(path)
         except RopewalkError as error:
-            return self._report("file", str(error), remedy="leave out of it what it does not need")
+            return self._report("file", str(error), remedy="remove unused files from it")
         except (zipfile.BadZipFile, OSError) as error:
             return self._report("file", f"is not an FMU, it cannot be unpacked ({error})", remedy="export it again")
         if DESCRIPTION not in names:
@@ -251,7 +251,7 @@ def _items(variable: Any) -> dict[str, int]:
 
 
 def _misfit(variable: Any, value: Value) -> str | None:
-    """What is wrong with the value of a variable."""
+    """Problems of the value of a variable."""
     kind = variable.type
     if variable.shape:
         return "is an array, of which values cannot be set"

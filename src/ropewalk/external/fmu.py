@@ -27,7 +27,7 @@ _SLOPE = 0.005
 
 
 class _Past(NamedTuple):
-    """What is remembered of a contact, the newest first."""
+    """Stored state of a contact, the newest first."""
 
     heights: tuple[float, ...] = ()  # m, that it has been at
     places: tuple[float, ...] = ()  # m, xi that it has been at
@@ -103,7 +103,7 @@ class FmuModel:
         """What is to be known of it before it begins."""
         found = []
         if self._load.isolated and (walls := lacking()):
-            remedy = "--no-code refuses FMUs whose authors you do not trust"
+            remedy = "use --no-code to refuse FMUs of untrusted authors"
             found.append(
                 f"{self._wiring.who} is isolated, but this system cannot confine it: it lacks {' and '.join(walls)}; "
                 f"the FMU may do all that you may; {remedy}"

@@ -17,7 +17,7 @@ AT_ONCE = 200  # messages of an FMU that are sent while a question is answered
 
 
 def serve(folder: str, trouble: str = "") -> None:
-    """Be the child: do what is asked through standard input until it ends, with the FMU unpacked in a folder.
+    """Be the child: answer requests from standard input until it ends, with the FMU unpacked in a folder.
 
     Args:
         folder: for the FMU.

@@ -56,6 +56,6 @@ def _left(_: object) -> None:
     if not _in_process:
         return
     who = " or ".join(dict.fromkeys(_in_process))
-    remedy = "write isolated: true, which gives it a process of its own and keeps what was computed"
+    remedy = "write isolated: true, which runs it in a separate process and keeps the computed part"
     os.write(2, f"{who} has ended the whole process; {remedy}\n".encode())
     os._exit(_CODE)

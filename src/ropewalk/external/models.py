@@ -76,7 +76,7 @@ def refuse_code(loads: Mapping[str, AnyLoad]) -> None:
 
 
 def check_external(loads: Mapping[str, AnyLoad]) -> None:
-    """Find what is wrong with the files of external loads, without running them.
+    """Find problems of the files of external loads, without running them.
 
     Raises:
         ScenarioError: with all mistakes.

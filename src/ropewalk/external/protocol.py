@@ -76,11 +76,11 @@ def touches(name: str, answer: Any, t: float, most: int, dim: int) -> list[Touch
         found = list(answer)
     except TypeError as error:
         raise RopewalkError(
-            f"load {name}: at t = {t:g} s its model gave {answer!r}; wanted is a list of contacts (xi, [Fx, Fz])"
+            f"load {name}: at t = {t:g} s its model gave {answer!r}; expected a list of contacts (xi, [Fx, Fz])"
         ) from error
     if len(found) > most:
         raise RopewalkError(
-            f"load {name}: its model has {len(found)} contacts at t = {t:g} s, but said contacts = "
+            f"load {name}: its model has {len(found)} contacts at t = {t:g} s, but declares contacts = "
             f"{most}; give the class an attribute contacts with the most it may have"
         )
     return [_touch(name, each, t, dim) for each in found]
@@ -100,7 +100,7 @@ def _touch(name: str, answer: Any, t: float, dim: int) -> Touch:
         ) from error
     if len(force) != dim or not all(map(math.isfinite, (xi, speed, *force, *(motion or ())))):
         raise RopewalkError(
-            f"load {name}: at t = {t:g} s its model gave {answer!r}; wanted are finite numbers and "
+            f"load {name}: at t = {t:g} s its model gave {answer!r}; expected finite numbers and "
             f"{dim} components of the force"
         )
     return Touch(xi, np.array(force), speed, motion)

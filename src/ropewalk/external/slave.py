@@ -92,7 +92,7 @@ class Slave:
                 self._binary = binary_of(wiring, folder, self._listen)
         except Exception as error:
             self.close()
-            remedy = "; it says that it needs the program that made it: is that installed?" if wiring.needs_tool else ""
+            remedy = "; it requires the program that exported it: install this" if wiring.needs_tool else ""
             raise self._error(f"cannot be loaded ({error}){remedy}") from error
 
     @property
@@ -226,7 +226,7 @@ def quoted(log: Iterable[tuple[int, str]]) -> str:
     """Write what an FMU has said last as the end of a sentence: of mistakes, if it has."""
     said = [(status, printable(" ".join(message.split())[:LONGEST])) for status, message in log]
     last = [text for status, text in said if status > 0] or [text for _, text in said]
-    return f"; it said: {' | '.join(last[-QUOTED:])}" if last else ""
+    return f"; its log: {' | '.join(last[-QUOTED:])}" if last else ""
 
 
 @contextmanager

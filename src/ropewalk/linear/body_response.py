@@ -97,7 +97,7 @@ def response_of(
     except ValueError as error:
         if "is not reached" in str(error) and modes is None:
             cause = "wheels that are put down on a beam strike all its modes at once" if (way.start > 0.0) else (
-                "a wheel with a mass strikes a beam as it comes onto it")  # fmt: skip
+                "a wheel with a mass hits a beam as it rolls on to it")  # fmt: skip
             raise RopewalkError(
                 f"run.modes: the response to load {name} does not converge by adding modes to a tolerance of "
                 f"{_TOLERANCE:g} ({cause}); write run.modes: 40 and compare with twice as many, or ask for kind: "

@@ -45,12 +45,12 @@ def _bodies(parts: Parts) -> Iterator[Finding]:
         if not isinstance(load, _Body):
             continue
         if others := [other for other in parts.loads_on(load.on) if other != name]:
-            feature, given = "a load with a mass beside other loads on its line", f"with {', '.join(others)}"
+            feature, given = "a load with a mass together with other loads on its line", f"with {', '.join(others)}"
             remedy = f"give it a line of its own, make one vehicle of all, or {_DYNAMIC}"
             yield missing(("loads", name, "on"), _LINEAR, given, remedy, feature=feature)
         line = parts.lines.get(load.on)
         if line is not None and line.beta:
-            feature = "a load with a mass on a line whose damping grows with its stiffness"
+            feature = "a load with a mass on a line with stiffness-proportional damping"
             yield missing(("loads", name, "on"), _LINEAR, load.on, f"use drag, or {_DYNAMIC}", feature=feature)
         for key, feature, given, remedy in (*_own(load), *(_on(load, line, parts.run) if line is not None else ())):
             yield missing(("loads", name, *key), _LINEAR, given, remedy, feature=feature)
@@ -63,7 +63,7 @@ def _own(load: _Body) -> Iterator[_Lack]:
         return
     if callable(travel.speed) or isinstance(travel.speed, SpeedTable):
         remedy = f"write one number, or {_DYNAMIC}"
-        yield ("travel", "speed"), "a mass whose speed varies", "a speed that varies", remedy
+        yield ("travel", "speed"), "a mass at variable speed", "a speed that varies", remedy
     elif travel.speed == 0.0:
         yield ("travel", "speed"), "a mass that stands still", "0 m/s", f"write a speed, or {_DYNAMIC}"
     if travel.measured in ("slip", "arc"):
@@ -93,7 +93,7 @@ def _on(load: _Body, line: Line, run: object) -> Iterator[_Lack]:
     """What is not implemented of a load on this line."""
     if abs(line.end[-1] - line.start[-1]) > 1e-9 * line.distance:
         given = f"heights {line.start[-1]:g} and {line.end[-1]:g} m"
-        yield ("on",), "a mass on a line whose ends differ in height", given, f"level the line, or {_DYNAMIC}"
+        yield ("on",), "a mass on a line with ends at different heights", given, f"level the line, or {_DYNAMIC}"
     if line.bending_stiffness or not isinstance(run, Linear) or run.modes is not None:
         return
     otherwise, on_string = f"give the line a bending_stiffness, or {_DYNAMIC}", "on a line without bending stiffness"

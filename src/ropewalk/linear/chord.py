@@ -94,7 +94,7 @@ def chords(setting: PreparedRun, scenario: Scenario, run_info: RunInfo) -> list[
         tension = float(rest.tension.mean()) if rest is not None else 0.0
         if line.bending_stiffness == 0.0 and not tension > 0.0:
             raise EquilibriumError(
-                f"line {name}: the linear theory needs a tension at rest; give tension, or less length"
+                f"line {name}: the linear theory requires a tension in equilibrium; write tension, or a shorter length"
             )
         along = (end - start) / length
         down = np.zeros_like(along)

@@ -59,4 +59,4 @@ def truncation_warning(name: str, chord: Chord, links: int, modes: int, place: A
         enough *= 2
     missed = ", ".join(f"{100.0 * e:.2g} % of the {what}" for what, e in errors.items() if e > _REPORTED)
     remedy = f"write run.modes: {enough}, or leave it out" if enough < _MANY else "leave run.modes out"
-    return f"line {name}: {modes} modes miss up to {missed} under these loads, if they were at rest; {remedy}"
+    return f"line {name}: {modes} modes miss up to {missed} under these loads applied statically; {remedy}"

@@ -63,7 +63,7 @@ def _chosen(scenario: Scenario, start: Start, record: Record) -> xr.Dataset:
             if (level := _level(meshes, wanted, links_in(base))) is None:
                 meshes.append(computed(scaled(base, RATIO ** len(meshes)), start, meshes))
                 continue
-        except RopewalkError:  # too coarse for what is asked, as long as that is not known to have another reason
+        except RopewalkError:  # too coarse, as long as that is not known to have another reason
             first *= RATIO
             if first > MOST_AT_FIRST:
                 raise
@@ -87,8 +87,8 @@ def _kept(
     mesh, before = MeshRun.of(run.layout, scenario, meshes), meshes[-1] if meshes else None
     meshes.append(mesh)
     if unknown:
-        what = f"the error of the mesh cannot be told: {unknown}"
-        run_info.doubt(what, "a coarser mesh cannot do what is asked", "run.mesh_error", "write more elements")
+        what = f"the error of the mesh cannot be estimated: {unknown}"
+        run_info.doubt(what, "a coarser mesh cannot be computed", "run.mesh_error", "write more elements")
     return record(scenario, Compared(run, mesh, before, lambda: _tell(meshes, scenario, run_info, wanted)), run_info)
 
 
@@ -121,10 +121,10 @@ def _tell(meshes: Sequence[MeshRun], scenario: Scenario, run_info: RunInfo, want
         run_info.mesh |= {f"mesh_{name}_of_contacts": value for name, value in estimate.items()}
     key = next((f"lines.{name}.elements" for name in scenario.lines), "nets")
     if everywhere.doubt:
-        cause = "chaos (slack lines, compression without damping), or meshes that are too coarse for what happens"
+        cause = "chaos (slack lines, compression without damping), or too coarse meshes"
         run_info.doubt(everywhere.doubt, cause, key, "compare statistics, not paths, or write more elements")
     elif wanted is not None and everywhere.error > wanted:
-        what = f"positions are estimated to miss {everywhere.error:.3g} m where {wanted:g} m are asked for"
+        what = f"positions are estimated to miss {everywhere.error:.3g} m where {wanted:g} m are requested"
         remedy = "raise accuracy, or write elements as a number and mesh_error: true"
         run_info.doubt(what, f"more than {MOST} links would be needed", "run.accuracy", remedy)
 

@@ -22,7 +22,7 @@ Start = Callable[[Scenario, RunInfo], Run]
 
 @dataclass(frozen=True)
 class MeshRun:
-    """What is kept of a run on one mesh.
+    """Stored part of a run on one mesh.
 
     Args:
         size: of its links, in parts of all lines, or of its cells, in parts of a net.

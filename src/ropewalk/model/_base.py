@@ -82,7 +82,7 @@ def report(title: str, findings: Iterable[Finding]) -> None:
 
 @dataclass(frozen=True)
 class Variants:
-    """Annotation: the value is one of several declarations, told apart by `kind`, which must be written.
+    """Annotation: the value is one of several declarations, distinguished by `kind`, which must be written.
 
     It replaces a tagged union so that errors stand at the key itself and an unknown kind gives exactly one.
 
@@ -108,7 +108,7 @@ class Variants:
                     report(self.what, [Finding((slip,), "unknown key", remedy="did you mean kind?")])
                 if not self.default or (other := _other_kind(value, kinds, self.default)):
                     remedy = f"add kind: {' | '.join(kinds) if not self.default else other}"
-                    report(self.what, [Finding(("kind",), "is missing", remedy=remedy)])
+                    report(self.what, [Finding(("kind",), "is required", remedy=remedy)])
             kind = value.get("kind", self.default)
             if not isinstance(kind, str) or kind not in kinds:
                 remedy = did_you_mean(kind if isinstance(kind, str) else "", kinds)

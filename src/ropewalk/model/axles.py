@@ -66,8 +66,8 @@ def hslm_a(name: str) -> tuple[tuple[float, ...], float]:
 class Coaches(Declaration):
     """The same axles again and again."""
 
-    count: Annotated[int, Count(1, MOST)] = Field(description="how many times the axles come")
-    length: PositiveLength = Field(description="after which they come again: that of a coach")
+    count: Annotated[int, Count(1, MOST)] = Field(description="number of repetitions of the axles")
+    length: PositiveLength = Field(description="spacing of the repetitions: length of a coach")
 
 
 class TrainTravel(Course):
@@ -78,8 +78,8 @@ class TrainTravel(Course):
     start: Station = Field(
         default=0.0,
         alias="from",
-        description="of the first axle, distance from the start of the line as measured; negative: before it. The "
-        "others are behind, off the line at first. A train towards the start begins at the end: from its length on",
+        description="position of the first axle, measured from the start of the line; negative: before it. The other "
+        "axles follow, off the line at first. A train towards the start begins at the length of the line or beyond",
     )
 
 
@@ -113,8 +113,10 @@ class Axles(Declaration):
     at: Stations | None = Field(
         default=None, description="distances of the axles behind the first one, in rising order; the first is 0 m"
     )
-    coaches: Coaches | None = Field(default=None, description="how often these axles are repeated")
-    travel: TrainTravel = Field(description="how the train advances along the line; it comes to the line and leaves it")
+    coaches: Coaches | None = Field(default=None, description="repetition of these axles")
+    travel: TrainTravel = Field(
+        description="motion of the train along the line, on to which it rolls and which it leaves"
+    )
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -131,33 +133,33 @@ class Axles(Declaration):
     def _written(self) -> Iterator[Finding]:
         if self.forces is None:
             remedy = "add forces (of the axles, for example 170 kN), or train: HSLM-A1"
-            yield Finding(("forces",), "is missing, without train axles need it", remedy=remedy)
+            yield Finding(("forces",), "is required without train", remedy=remedy)
         if self.at is None:
             remedy = "add at: distances behind the first axle, for example [0 m, 3 m], or train: HSLM-A1"
-            yield Finding(("at",), "is missing, without train axles need it", remedy=remedy)
+            yield Finding(("at",), "is required without train", remedy=remedy)
             return
         if self.at[0] != 0.0:
-            remedy = "begin at 0 m, and say with travel.from where that is"
-            yield Finding(("at", 0), "is not the place of the first axle", f"{self.at[0]:g} m", remedy)
+            remedy = "begin at 0 m, and write the position of the first axle in travel.from"
+            yield Finding(("at", 0), "is not 0 m, the position of the first axle", f"{self.at[0]:g} m", remedy)
         for i, (one, two) in enumerate(pairwise(self.at), start=1):
             if not two > one:
-                remedy = "put them in rising order, and add the forces of axles at one place up"
-                yield Finding(("at", i), "is not behind the axle before", f"{two:g} m after {one:g} m", remedy)
+                remedy = "sort them in rising order, and add up the forces of axles at one position"
+                yield Finding(("at", i), "is not behind the preceding axle", f"{two:g} m after {one:g} m", remedy)
         if isinstance(self.forces, tuple) and len(self.forces) != len(self.at):
-            given, remedy = f"{len(self.forces)} forces, {len(self.at)} places", "give each axle both, or one force"
-            yield Finding(("forces",), "forces and places (at) differ in number", given, remedy)
+            given, remedy = f"{len(self.forces)} forces, {len(self.at)} positions", "write one for each, or one force"
+            yield Finding(("forces",), "the numbers of forces and positions (at) differ", given, remedy)
 
     def _places(self) -> Iterator[Finding]:
         if self.train is None and self.at is not None and self.coaches is not None:
             if not self.coaches.length > self.at[-1]:
-                wrong = f"the axles of a coach, {self.at[-1]:g} m long, reach into the next one"
+                wrong = f"the axles of a coach, {self.at[-1]:g} m long, overlap with the next coach"
                 remedy = f"write more than {self.at[-1]:g} m"
                 yield Finding(("coaches", "length"), wrong, f"{self.coaches.length:g} m", remedy)
             elif (count := len(self.axles)) > MOST:
                 yield Finding(("coaches", "count"), "too many axles", f"{count}", f"at most {MOST} are computed")
         speed = self.travel.speed
         if isinstance(speed, SpeedTable) and min(speed.value) < 0.0 < max(speed.value):
-            wrong, remedy = "a train does not turn back", "write two loads, or one sign"
+            wrong, remedy = "the speed of a train must not change its sign", "write two loads, or one sign"
             yield Finding(("travel", "speed"), wrong, "a table", remedy)
 
     @property

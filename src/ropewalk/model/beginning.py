@@ -17,7 +17,7 @@ UP = (0.0, 1.0)
 
 
 def check_beginning(parts: Parts) -> Iterator[Finding]:
-    """Find what is wrong with a start from a mode."""
+    """Find problems of a start from a mode."""
     if not isinstance(parts.run, Dynamic) or parts.run.start.kind != "mode":
         return
     start = parts.run.start

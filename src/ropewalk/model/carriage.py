@@ -45,9 +45,9 @@ class Cabin(Declaration):
         default=0.0, description="of the damper between hanger and main rocker: moment over rate of the angle"
     )
     swing: Angle = Field(default=0.0, description="angle of the hanger from the vertical at the start, towards +x")
-    air_drag: AirDrag = Field(default=0.0, description="force air_drag |v| v, v: of the air as it sees it")
+    air_drag: AirDrag = Field(default=0.0, description="force air_drag |v| v, v: relative velocity of the air")
     floor: Offset = Field(
-        default=0.0, description="how far its lowest point is below the centre of gravity, for the clearance"
+        default=0.0, description="distance of its lowest point below the centre of gravity, for the clearance"
     )
 
 
@@ -61,16 +61,14 @@ class CounterRope(Declaration):
     tension: PositiveForce = Field(description="at the station, half of the weight of a sheave that it runs around")
     mass: LinearMass = Field(default=0.0, description="per length")
     axial_stiffness: PositiveForce | None = Field(
-        default=None, description="EA of it, by which its mass is drawn along (default: that of the hauling rope)"
+        default=None, description="its EA, which accelerates its mass (default: that of the hauling rope)"
     )
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if self.axial_stiffness is not None and not self.mass:
-            wrong, remedy = (
-                "a counter rope without mass draws none along",
-                "give its mass, or leave axial_stiffness out",
-            )
+            wrong = "a counter rope without mass has no mass to accelerate"
+            remedy = "give its mass, or leave axial_stiffness out"
             finding = Finding(("axial_stiffness",), wrong, f"{self.axial_stiffness:g} N", remedy)
             report("counter rope", [finding])
         return self
@@ -102,7 +100,7 @@ class Haul(Declaration):
     over_to: str | None = Field(
         default=None,
         description="name of another carriage, to which the rope runs on over a pulley that turns freely, instead of "
-        "a speed: what the one goes the other comes",
+        "a speed: both carriages have opposite speeds",
     )
     axial_stiffness: PositiveForce = Field(description="EA of the rope")
     axial_damping: AxialDamping = Field(default=0.0, description="Kelvin-Voigt c of the rope")
@@ -136,7 +134,7 @@ class Haul(Declaration):
             wrong = "a rope without mass has none that move with it"
             findings.append(Finding(("elements",), wrong, str(self.elements), "give its mass, or leave elements out"))
         if self.sheave is not None and (self.counter is None or self.over_to is not None):
-            wrong = "what its other side pulls with is not given" if self.counter is None else "it turns freely there"
+            wrong = "the tension on its other side is not given" if self.counter is None else "it turns freely there"
             findings.append(Finding(("sheave",), wrong, remedy="give counter and speed, or leave sheave out"))
         report("haul", findings)
         return self
@@ -177,7 +175,7 @@ class Carriage(Declaration):
         description="lengths of rockers between their ends, from those that bear two wheels up to the main one: one "
         "length for 2 wheels, two for 4, three for 8, four for 16"
     )
-    cabin: Cabin | None = Field(default=None, description="what swings below")
+    cabin: Cabin | None = Field(default=None, description="pendulum below the carriage")
     haul: Haul | None = Field(default=None, description="hauling rope that moves it")
     travel: Annotated[FreeTravel, BeforeValidator(_rolls)] = Field(
         description="kind: free; `from` is where its middle starts; `speed` at the beginning is that of the hauling "
@@ -200,7 +198,7 @@ class Carriage(Declaration):
             )
         travel = self.travel
         if self.haul is not None and travel.driver is not None:
-            wrong, remedy = "a driver beside a hauling rope", "leave one of them out"
+            wrong, remedy = "a driver and a hauling rope exclude each other", "leave one of them out"
             findings.append(Finding(("travel", "driver"), wrong, remedy=remedy))
         if self.haul is not None and travel.speed:
             wrong, remedy = "the hauling rope gives the speed", "leave it out"
@@ -259,13 +257,13 @@ def _hangs(name: str, haul: Haul, line: Any, gravity: float) -> Iterator[Finding
     """Find counter ropes that would hang to the ground."""
     counter = haul.counter
     if counter is not None and counter.tension <= (weight := counter.mass * gravity * line.distance):
-        wrong = f"no more than the rope weighs, {weight:.4g} N: it would hang deep down, or fall"
+        wrong = f"less than the weight of the rope, {weight:.4g} N: its sag would be too large, or it would fall"
         path = ("loads", name, "haul", "counter", "tension")
         yield Finding(path, wrong, f"{counter.tension:.4g} N", "give it more tension")
 
 
 def check_carriages(parts: Any) -> Iterator[Finding]:
-    """Find hauling ropes that end nowhere, and wheels that would stand beside their line."""
+    """Find hauling ropes without an end, and wheels that would be off their line."""
     drawn = set[str]()  # what ropes over pulleys run to
     for name, load in parts.loads.items():
         if not isinstance(load, Carriage):
@@ -277,9 +275,9 @@ def check_carriages(parts: Any) -> Iterator[Finding]:
         line = parts.lines.get(load.on)
         first, last = load.starts()[0].start, load.starts()[-1].start
         if line is not None and (first <= 0.0 or last >= (line.length or line.distance)):
-            wrong = f"its wheels would stand at {first:g} to {last:g} m, beyond the end of {load.on}"
+            wrong = f"its wheels would be at {first:g} to {last:g} m, beyond the end of {load.on}"
             yield Finding(
-                ("loads", name, "travel", "from"), wrong, f"{load.travel.start:g} m", "let it start further in"
+                ("loads", name, "travel", "from"), wrong, f"{load.travel.start:g} m", "start further from the ends"
             )
         if load.haul is not None and load.haul.speed is not None and line is not None:
             yield from _taken_in(name, load, load.haul, line.length or line.distance, parts.run)

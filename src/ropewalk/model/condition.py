@@ -43,12 +43,14 @@ class Condition(Declaration):
         yield from not_there(("condition", "missing_droppers"), self.missing_droppers, droppers)
         if self.wear > MOST_WORN:
             remedy = f"write at most {MOST_WORN:g}, part of the cross-section"
-            yield Finding(("condition", "wear"), "no contact wire is worn so far", f"{self.wear:g}", remedy)
+            yield Finding(
+                ("condition", "wear"), "the wear is larger than that of any contact wire", f"{self.wear:g}", remedy
+            )
         if self.expansion != type(self).model_fields["expansion"].default and not self.temperature_rise:
-            wrong, remedy = "nothing expands at the same temperature", "add temperature_rise, or leave expansion out"
+            wrong, remedy = "there is no change of temperature", "add temperature_rise, or leave expansion out"
             yield Finding(("condition", "expansion"), wrong, f"{self.expansion:g} 1/K", remedy)
         for name in ("wear", "temperature_rise") if fixed_aside else ():
             if value := getattr(self, name):
-                wrong = "goes with tensions that weights keep, or with steady arms without stagger"
+                wrong = "requires ends: weights, or steady arms without stagger"
                 remedy = f"write ends: weights, or leave stagger or {name} out"
                 yield Finding(("condition", name), wrong, f"{value:g}", remedy)

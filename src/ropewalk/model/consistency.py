@@ -108,7 +108,7 @@ def _of_train(finding: Finding) -> Finding:
 def _something(parts: Parts) -> Iterator[Finding]:
     if parts.is_complete and not parts.lines and not parts.overhead and not parts.nets:
         remedy = "add lines, overhead_lines or nets"
-        yield Finding(("lines",), "is missing or empty: there is no line", remedy=remedy)
+        yield Finding(("lines",), "is required and not empty: there is no line", remedy=remedy)
     for name in parts.overhead:
         if name in parts.lines:
             remedy = "give every line its own name"
@@ -127,7 +127,7 @@ def _steered(parts: Parts) -> Iterator[Finding]:
     """Masses that the line which they stretch would steer."""
     for name, load in parts.loads.items():
         if isinstance(parts.run, Dynamic) and isinstance(load, _Massive) and load.travel.measured == "arc":
-            wrong = "a mass that follows the arc length is unstable: the line that it stretches steers it"
+            wrong = "a mass that follows the arc length is unstable: it stretches the line that determines its place"
             remedy = "write slip, which differs by how fast the line behind gets longer, or material or horizontal"
             yield Finding(("loads", name, "travel", "measured"), wrong, "arc", remedy)
 
@@ -165,7 +165,7 @@ def _weights(parts: Parts) -> Iterator[Finding]:
         if isinstance(load, Footsteps | Walker):
             yield Finding(("loads", name, "kind"), "a walker needs gravity", load.kind, "give gravity")
         if isinstance(load, Trolley) and load.payload.stiffness is None:
-            wrong = "is missing, without a weight there is no default"
+            wrong = "is required without gravity, there is no default"
             remedy = "add stiffness (of the payload's rope, in N/m), or give gravity"
             yield Finding(("loads", name, "payload", "stiffness"), wrong, remedy=remedy)
 
@@ -184,7 +184,7 @@ def _hoists(parts: Parts) -> Iterator[Finding]:
                 yield Finding(path, wrong, remedy="let it stop before, give more length, or end the run before")
         elif parts.run is not None:
             yield Finding(
-                path, "a rope is taken in while time goes on", remedy="ask for kind: dynamic, or leave it out"
+                path, "a rope of variable length needs a time", remedy="ask for kind: dynamic, or leave it out"
             )
 
 
@@ -274,7 +274,7 @@ def _rest(parts: Parts) -> Iterator[Finding]:
             continue
         if with_loads and parts.loads_on(name):
             continue
-        wrong = "without gravity the rest shape of a line longer than the distance of its ends is not determined"
+        wrong = "without gravity the equilibrium of a line longer than the distance of its ends is not determined"
         remedy = f"give gravity, a length of at most {line.distance:g} m, or tension instead of length"
         yield Finding(("lines", name, "length"), wrong, f"{line.length:g} m", remedy)
 

@@ -10,8 +10,8 @@ FrictionModel = Literal["capstan", "block"]
 Side = Literal["above", "below"]
 
 LIFT_OFF = "whether it may leave the line; it lands again without bouncing"
-SIDE = "side of the line on which it runs; below goes with lift_off"
-CONTACT_STIFFNESS = "normal stiffness of a contact that can only push, goes with lift_off (default: rigid)"
+SIDE = "side of the line on which it moves; below requires lift_off"
+CONTACT_STIFFNESS = "normal stiffness of a unilateral contact, requires lift_off (default: rigid)"
 
 
 def one_sided(side: Side, *, lift_off: bool) -> list[Finding]:

@@ -38,13 +38,13 @@ def _going(name: str, load: Trolley) -> Iterator[Finding]:
         allowed = ["refuse", "stay"]
     else:
         if travel.measured != "horizontal":
-            wrong = "lines that stretch differently are not at one place along x where so much of each is behind"
+            wrong = "lines that stretch differently do not have one x at equal arc lengths"
             yield Finding((*path, "measured"), wrong, travel.measured, "write measured: horizontal")
         allowed = ["refuse"]
     if travel.at_end not in allowed:
         wrong = "all of its lines carry it, and end at different instants"
         if travel.at_end == "stay":
-            wrong = "what moves it would draw it on, over the ends of its lines"
+            wrong = "its drive would pull it over the ends of its lines"
         remedy = f"write {' or '.join(allowed)}, and end the run before, or let its speed end"
         yield Finding((*path, "at_end"), wrong, travel.at_end, remedy)
 
@@ -68,7 +68,7 @@ def _beside(name: str, load: Trolley, lines: dict[str, Line]) -> Iterator[Findin
         (x0, y0, z0), (x1, y1, z1) = spatial(line.start), spatial(line.end)
         if x1 <= x0 or abs(y1 - y0) > 1e-9 * line.distance:
             wrong = "a load on several lines keeps its direction, and this one does not run in that of x"
-            yield Finding(path, wrong, key, "turn the axes so that x runs along all of its lines, from start to end")
+            yield Finding(path, wrong, key, "turn the axes so that all of its lines extend along x, from start to end")
             return
         if isinstance(load.travel, FreeTravel):
             continue  # where it begins is a length, along the first one
@@ -83,4 +83,4 @@ def _beside(name: str, load: Trolley, lines: dict[str, Line]) -> Iterator[Findin
         here = z0 + (z1 - z0) * (x - x0) / (x1 - x0)
         if abs(here - level) > LEVEL * min(line.distance, first.distance):
             wrong = f"a load on several lines stands level: there {key} is {here - level:+.4g} m above {load.on}"
-            yield Finding(path, wrong, key, "name lines that lie beside one another")
+            yield Finding(path, wrong, key, "name parallel lines")

@@ -30,7 +30,9 @@ class Crowd(Declaration):
 
     kind: Literal["crowd"] = "crowd"
     on: str = Field(description="name of the line")
-    number: Annotated[int, Count(1, MOST)] = Field(description="of people: on the line at first, or who come at `rate`")
+    number: Annotated[int, Count(1, MOST)] = Field(
+        description="number of people: on the line at first, or arriving at `rate`"
+    )
     seed: Annotated[int, Count(0, 2**31 - 1)] = Field(default=1, description="of all that is random")
     mass: MassSpread = Field(
         default=MassSpread.as_written(mean=75.0, deviation=15.0),
@@ -48,21 +50,21 @@ class Crowd(Declaration):
         default=None, description="amplitudes of a given force to the side, or give `balance`"
     )
     balance: Balance | None = Field(
-        default=None, description="how they place their feet to the side: people who respond to a line that sways"
+        default=None, description="lateral foot placement: people respond to a line that sways"
     )
     spread: Literal["random", "even"] = Field(
-        default="random", description="how they stand along the line, or follow one another at `rate`"
+        default="random", description="distribution of the people along the line, or of their arrivals at `rate`"
     )
     rate: Frequency | None = Field(
-        default=None, description="people per second who come to the line (default: they are on it from the beginning)"
+        default=None, description="arrivals of people per second (default: all are on the line from the beginning)"
     )
     towards: Literal["end", "start", "both"] = Field(
         default="end", description="end of the line towards which they walk; both: each of them towards either"
     )
     at_end: Literal["again", "leave"] | None = Field(
         default=None,
-        description="who comes to an end leaves the line, or is followed by another one like her at the other end, so "
-        "that their number stays the same (default: again, and leave where they come at a rate)",
+        description="leave: people leave the line at its end; again: each is replaced by an equal person at the "
+        "other end, so that their number is constant (default: again; with a rate: leave)",
     )
     path: Way | None = Field(default=None, description=ON_NETS)
 
@@ -78,7 +80,7 @@ class Crowd(Declaration):
             findings.append(Finding(("balance",), "lateral and balance exclude each other", remedy=remedy))
         if self.rate is not None and self.at_end == "again":
             remedy = "leave rate out to keep their number, or write at_end: leave"
-            findings.append(Finding(("at_end",), "people who come at a rate also leave", "again", remedy))
+            findings.append(Finding(("at_end",), "people that arrive at a rate also leave", "again", remedy))
         report("crowd", findings)
         return self
 

@@ -15,7 +15,7 @@ class Cut(Declaration):
     """A line fails: from a time on its tension ends at a place, and both parts fly as they are pulled.
 
     It does so at a time, or where tension there first passes a strength (a knot, a splice, a link made to fail), within
-    a step; of both, what comes first. Nothing is lost in the cut itself. What of the line is joined to others goes on
+    a step; of both, what comes first. Nothing is lost in the cut itself. What of the line is joined to others continues
     to hang there.
     """
 
@@ -26,7 +26,7 @@ class Cut(Declaration):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if self.time is None and self.strength is None:
-            report("cut", [Finding(("time",), "nothing says when", remedy="give time, or strength, or both")])
+            report("cut", [Finding(("time",), "has no time", remedy="write time, or strength, or both")])
         return self
 
 
@@ -44,4 +44,4 @@ def check_cut(cut: Cut, length: float | None, distance: float, supports: Mapping
         yield Finding(("cut", "at"), wrong, f"{cut.at:g} m", "stay within its length")
     for name, at in supports.items():
         if abs(cut.at - at) <= 1e-9 * (length or distance):
-            yield Finding(("cut", "at"), f"inner support {name} is there", f"{cut.at:g} m", "cut beside it")
+            yield Finding(("cut", "at"), f"is at inner support {name}", f"{cut.at:g} m", "cut at another position")

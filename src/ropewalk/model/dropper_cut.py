@@ -44,7 +44,7 @@ class SpanAndNumber:
 class DropperCut(Declaration):
     """Some droppers fail at a time: from then on they pull no more.
 
-    What they had stored is lost, what is left of them goes on to hang on both wires.
+    What they had stored is lost, the remainder of them continues to hang on both wires.
     """
 
     droppers: Annotated[tuple[tuple[int, int], ...], SpanAndNumber()] = Field(

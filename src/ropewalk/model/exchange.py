@@ -28,14 +28,14 @@ class Exchange(Declaration):
     order: Annotated[int, Count(0, 2)] | None = Field(
         default=None,
         description="of the extrapolation of forces (and of motions, parallel): 0 holds the last value; iterated: 0 "
-        "holds the next one over the interval, which damps, 1 goes there linearly (default: 0; iterated: 1)",
+        "holds the next one over the interval, which damps, 1 interpolates linearly (default: 0; iterated: 1)",
     )
     stiffness: Stiffness = Field(default=0.0, description="of a spring between both, for models that give motion")
     damping: Viscosity = Field(default=0.0, description="of the damper between the line and the model")
     tolerance: Factor = Field(default=1e-8, description="iterated: change of the forces, as a part of them, to stop at")
     iterations: Annotated[int, Count(1, 1000)] = Field(default=30, description="iterated: the most in one interval")
     warn: Factor = Field(
-        default=0.01, description="warn when the exchange has made energy of this part of the work that went through it"
+        default=0.01, description="limit of the energy error over the exchanged work, above which a warning is printed"
     )
 
     @model_validator(mode="after")
@@ -45,7 +45,7 @@ class Exchange(Declaration):
             value = getattr(self, key)
             if self.scheme != "iterated" and value != type(self).model_fields[key].default:
                 remedy = f"leave {key} out, or write scheme: iterated"
-                findings.append(Finding((key,), "goes with scheme: iterated only", f"{value:g}", remedy))
+                findings.append(Finding((key,), "is for scheme: iterated only", f"{value:g}", remedy))
         report("exchange", findings)
         return self
 

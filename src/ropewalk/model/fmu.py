@@ -54,12 +54,14 @@ class FmuTravel(Declaration):
     """A prescribed advance: the line pushes or holds the vehicle along as it needs."""
 
     speed: SpeedHistory = Field(description="a constant, or a table {time, value}; negative: towards the start")
-    measured: Literal["material", "horizontal"] = Field(default="material", description="what the speed counts")
+    measured: Literal["material", "horizontal"] = Field(
+        default="material", description="coordinate to which the speed refers"
+    )
     start: Offset = Field(
         default=0.0, alias="from", description="distance of the vehicle from the start of the line, as measured"
     )
     at_end: AtEnd = Field(
-        default="leave", description="a contact that comes to an end of the line leaves it, stays there, or is refused"
+        default="leave", description="at an end of the line a contact leaves it, stops there, or is refused"
     )
     path: Way | None = Field(default=None, description=ON_NETS)
 
@@ -79,12 +81,12 @@ class FmuContact(Declaration):
     velocity: str | None = Field(default=None, description="variable of the velocity of the contact, up and down")
     place: str | None = Field(default=None, description="variable that is set to the place along the line")
     height_from: Literal["start", "zero"] = Field(
-        default="start", description="what heights count from: that of the line where the contact begins, or z = 0"
+        default="start", description="reference of heights: the line at the start of the contact, or z = 0"
     )
     force_factor: Number = Field(
         default=-1.0,
-        description="the force upwards on the line is the variable times this: -1 for a vehicle above whose contact "
-        "force counts positive in compression, 1 for a pantograph below",
+        description="the force upwards on the line is the variable times this: -1 for a vehicle above with contact "
+        "forces positive in compression, 1 for a pantograph below",
     )
     motion_factor: Number = Field(
         default=1.0, description="the height in m, upwards, is the variable times this: -1 where it counts downwards"
@@ -94,10 +96,10 @@ class FmuContact(Declaration):
     def _consistent(self) -> Self:
         findings = []
         if self.gives == "motion" and self.height is None:
-            remedy = "name the output that tells the height of its contact"
-            findings.append(Finding(("height",), "is missing, gives: motion needs it", remedy=remedy))
+            remedy = "name the output variable of the height of its contact"
+            findings.append(Finding(("height",), "is required by gives: motion", remedy=remedy))
         if self.gives == "motion" and self.force_along is not None:
-            wrong, remedy = "is for what gives a force", "leave it out"
+            wrong, remedy = "is for contacts with gives: force", "leave it out"
             findings.append(Finding(("force_along",), wrong, repr(self.force_along), remedy))
         for key in ("force_factor", "motion_factor"):
             if getattr(self, key) == 0.0:
@@ -113,20 +115,20 @@ class Fmu(Declaration):
     on: str = Field(description="name of the line or overhead line")
     file: str = Field(description="the .fmu file, looked for from the folder in which the command runs")
     contacts: dict[Name, FmuContact] = Field(description="its contacts, by name")
-    travel: FmuTravel = Field(description="how it advances along the line")
+    travel: FmuTravel = Field(description="motion along the line")
     parameters: Values = Field(default_factory=dict, description="variable: value, set before it begins")
     start_values: Values = Field(
         default_factory=dict, description="variable: value, of inputs and states at the beginning, and kept of inputs"
     )
     every: PositiveTime = Field(default=1e-3, description="interval at which line and FMU exchange (macro step)")
     exchange: Exchange = Field(
-        default=Exchange.as_written(), description="how line and FMU exchange forces and motions"
+        default=Exchange.as_written(), description="exchange of forces and motions between line and FMU"
     )
     isolated: StrictBool = Field(
         default=False, description="run it in a process of its own: a crash of the FMU then ends the run in order"
     )
     patience: PositiveTime = Field(
-        default=30.0, description="isolated: time on the wall clock after which an FMU that does not answer is given up"
+        default=30.0, description="isolated: wall-clock timeout of an FMU that does not answer"
     )
 
     @model_validator(mode="after")
@@ -134,10 +136,10 @@ class Fmu(Declaration):
         findings = []
         if not self.contacts:
             remedy = "add one: name: {force: ..., height: ...}"
-            findings.append(Finding(("contacts",), "is empty, nothing touches the line", remedy=remedy))
+            findings.append(Finding(("contacts",), "is empty: the vehicle has no contact with the line", remedy=remedy))
         for name, contact in self.contacts.items():
             if contact.gives == "motion" and not self.exchange.stiffness:
-                wrong = f"is missing: contact {name} gives its motion, and a spring must make a force of it"
+                wrong = f"is required: contact {name} gives its motion, which acts through a contact spring"
                 remedy = "give the stiffness of the contact, for example 1e6 N/m"
                 findings.append(Finding(("exchange", "stiffness"), wrong, remedy=remedy))
                 break

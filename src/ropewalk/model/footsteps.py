@@ -50,7 +50,7 @@ class _Walk:
             if not isinstance(value, str):
                 raise Refused("expected a model of the force", f"write {' or '.join(self.names)}, {listed}")
             if value not in self.names:
-                known = f"known here: {', '.join(self.names)}, {listed}"
+                known = f"choose from: {', '.join(self.names)}, {listed}"
                 raise Refused("unknown model of the force", did_you_mean(value, self.names, otherwise=known))
             return value
 
@@ -90,8 +90,8 @@ class Footsteps(Declaration):
     )
     balance: Balance | None = Field(
         default=None,
-        description="how the feet are placed to the side, instead of a given force there: steps keep their times, and "
-        "their places follow the body, which the motion of the line moves",
+        description="lateral foot placement, instead of a given lateral force: the times of steps are fixed, their "
+        "positions follow the body, which the motion of the line excites",
     )
     first_foot: FirstFoot = Field(default="left", description="the foot that stands at the beginning: left or right")
     phase: Share = Field(default=0.0, description="part of a step that is over at the beginning, below 1")
@@ -109,8 +109,8 @@ class Footsteps(Declaration):
     towards: Literal["end", "start"] = Field(default="end", description="end of the line towards which it steps")
     at_end: Literal["refuse", "leave", "stay", "again"] = Field(
         default="refuse",
-        description="a person who would step off an end of the line is refused, leaves the line, stays there, or is "
-        "followed by another one like her at the other end (again); who leaves may also begin off the line, before it",
+        description="at an end of the line a person is refused, leaves the line, stops there, or is replaced by an "
+        "equal person at the other end (again); with leave a person may also begin before the line",
     )
     path: Way | None = Field(default=None, description=ON_NETS)
 

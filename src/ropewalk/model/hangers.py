@@ -25,15 +25,14 @@ class Hangers(Declaration):
     above: str = Field(alias="from", description="name of the line that they hang from")
     below: str = Field(alias="to", description="name of the line that hangs on them")
     count: Annotated[int, Count(1, 1000)] | None = Field(
-        default=None, description="how many, which divide the line below evenly; or give `at`"
+        default=None, description="number of hangers at equal distances along the line below; or give `at`"
     )
     at: Lengths | None = Field(
         default=None, description="places on the line below, unstrained lengths from its start; or give `count`"
     )
     camber: Station = Field(
         default=0.0,
-        description="at rest the hangers hold the line below on a parabola that rises by this above the straight line "
-        "between its ends",
+        description="camber: in equilibrium the hangers hold the line below on a parabola of this rise above its chord",
     )
     mass: MassPerLength = Field(description="mass per unstrained length of each")
     axial_stiffness: PositiveForce = Field(description="EA of each; they carry tension only")
@@ -43,8 +42,8 @@ class Hangers(Declaration):
     def _consistent(self) -> Self:
         findings = []
         if (self.count is None) == (self.at is None):
-            wrong = "at and count exclude each other" if self.at is not None else "the places are not determined"
-            findings.append(Finding(("count",), wrong, remedy="give count, or the places (at)"))
+            wrong = "at and count exclude each other" if self.at is not None else "the positions are not determined"
+            findings.append(Finding(("count",), wrong, remedy="write count, or the positions (at)"))
         if self.at is not None and any(b <= a for a, b in zip(self.at, self.at[1:], strict=False)):
             findings.append(Finding(("at",), "places must rise", str(list(self.at)), "sort them, and give each once"))
         report("hangers", findings)
@@ -88,7 +87,7 @@ def check_hangers(
         if wrong or above is None or below is None:
             continue
         if gravity == 0.0:
-            yield Finding(path, "without gravity nothing hangs", remedy="give gravity, or leave hangers out")
+            yield Finding(path, "without gravity hangers carry no load", remedy="give gravity, or leave hangers out")
             continue
         for key, other, line in (("from", row.above, above), ("to", row.below, below)):
             feature = "a joined line, or one over sheaves or saddles," if line.is_joined else ""
@@ -172,7 +171,7 @@ def guessed(name: str, row: Hangers, lines: Mapping[str, Line | None], gravity: 
 
 
 def _arc(slope: float) -> float:
-    """Length of a parabola from its vertex to a slope, over what is left out."""
+    """Length of a parabola from its vertex to a slope, over the neglected part."""
     return slope * math.sqrt(1.0 + slope**2) + math.asinh(slope)
 
 

@@ -44,13 +44,13 @@ class PantographHead(Declaration):
     def _consistent(self) -> Self:
         findings = []
         if self.strips == 2 and self.spacing is None:
-            findings.append(Finding(("spacing",), "is missing, two strips need it", remedy="add it, such as 540 mm"))
+            findings.append(Finding(("spacing",), "is required with two strips", remedy="add it, such as 540 mm"))
         if self.strips == 1:
-            alone = "one strip stands in the middle of the head"
+            alone = "one strip is in the middle of the head"
             if self.spacing is not None:
                 findings.append(Finding(("spacing",), alone, f"{self.spacing:g} m", "write strips: 2, or leave it out"))
             if self.pitch is not None:
-                wrong = f"{alone}, and nothing makes it pitch"
+                wrong = f"{alone}, and has no pitching moment"
                 findings.append(Finding(("pitch",), wrong, remedy="write strips: 2, or leave it out"))
             if self.roll is None and not findings:
                 wrong, remedy = "one strip that does not roll is a point", "leave head out, or add roll or strips: 2"

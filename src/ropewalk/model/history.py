@@ -110,7 +110,7 @@ class History:
             if isinstance(value, Mapping):
                 return self.table.model_validate(value)
             if isinstance(value, Declaration):
-                raise Refused("another kind of table is wanted here", self.expected)
+                raise Refused("this key takes another kind of table", self.expected)
             return constant.validate_python(value)
 
         def write(value: Any, info: core_schema.SerializationInfo) -> Any:

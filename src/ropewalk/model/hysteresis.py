@@ -16,7 +16,7 @@ from ropewalk.model.quantity import Factor, PositiveForce, TableForce
 class Hysteresis(Declaration):
     """Loading follows `law`, unloading another curve below it; between both, a spring and a slider that rubs.
 
-    The difference is friction within the line, whatever the speed. Give `ratio`, or `unloading` beside a law of kind
+    The difference is friction within the line, whatever the speed. Give `ratio`, or `unloading` with a law of kind
     table. A motion begins on the curve of loading.
     """
 
@@ -25,7 +25,7 @@ class Hysteresis(Declaration):
         default=None, description="tensions of unloading at the strains of the table of `law`"
     )
     stiffness: PositiveForce = Field(
-        description="EA of the spring: where nothing slips, beside the slope of the mean of both curves"
+        description="EA of the spring: stiffness without slip, parallel to the slope of the mean curve"
     )
 
     @model_validator(mode="after")
@@ -39,11 +39,12 @@ class Hysteresis(Declaration):
         if self.ratio is not None and self.unloading is not None:
             yield Finding(("ratio",), "ratio and unloading exclude each other", remedy="give one of them")
         if self.ratio is not None and self.ratio >= 1.0:
-            wrong, remedy = "unloading would give back no less than loading takes", "write less than 1, for example 0.8"
+            wrong = "the unloading tension would not be below the loading tension"
+            remedy = "write less than 1, for example 0.8"
             yield Finding(("ratio",), wrong, f"{self.ratio:g}", remedy)
         for i, tension in enumerate(self.unloading or ()):
             if tension < 0.0:
-                wrong, remedy = "the line would push where it is let off", "write no tension below zero"
+                wrong, remedy = "the line would be in compression during unloading", "write no tension below zero"
                 yield Finding(("unloading", i), wrong, f"{tension:g} N", remedy)
                 break
 
@@ -58,7 +59,7 @@ def check_hysteresis(hysteresis: Hysteresis, law: Law, axial_stiffness: float | 
     """Find what does not fit of the hysteresis of a line to its law, whose stiffness in N may be that of the line."""
     path = ("hysteresis",)
     if not isinstance(law, Hooke | TensionOnly | Webbing | Tabulated):
-        wrong, remedy = "goes with the laws hooke, tension_only, webbing and table", "write the law as a table"
+        wrong, remedy = "is for the laws hooke, tension_only, webbing and table", "write the law as a table"
         yield Finding(path, wrong, f"law {law.kind}", remedy)
         return
     if not isinstance(law, Tabulated):
@@ -76,17 +77,17 @@ def check_hysteresis(hysteresis: Hysteresis, law: Law, axial_stiffness: float | 
             return
         for i, (one, other) in enumerate(zip(law.tension, hysteresis.unloading, strict=True)):
             if other > one:
-                wrong, remedy = "unloading would give back more than loading takes", f"write {one:g} N at most"
+                wrong, remedy = "the unloading tension would exceed the loading tension", f"write {one:g} N at most"
                 yield Finding((*path, "unloading", i), wrong, f"{other:g} N", remedy)
                 return
     if law.strain[0] > 0.0:
-        wrong, remedy = "curves of loading and unloading begin at rest", "begin the table at strain 0"
+        wrong, remedy = "the curves of loading and unloading start at strain 0", "begin the table at strain 0"
         yield Finding(("law", "strain", 0), wrong, f"{law.strain[0]:g}", remedy)
     half, strain = hysteresis.halves(law), law.strain
     slopes = [(b - a) / (e1 - e0) for (a, b), (e0, e1) in zip(pairwise(half), pairwise(strain), strict=True)]
     if slopes[-1] < 0.0:
-        wrong = "beyond the last strain, unloading would come to give back more than loading takes"
-        remedy = "add a point, or leave the last one out: both curves go on with their last slopes"
+        wrong = "beyond the last strain, the unloading curve would rise above the loading curve"
+        remedy = "add a point, or remove the last one: both curves continue with their last slopes"
         yield Finding((*path, "unloading", len(half) - 1), wrong, remedy=remedy)
     yield from _too_soft(hysteresis, max(slopes))
 

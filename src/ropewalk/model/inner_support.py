@@ -17,7 +17,7 @@ class _Inner(Declaration):
     at: PositiveLength = Field(description="unstrained length from the start of the line to the point that it holds")
     position: Point | None = Field(
         default=None,
-        description="where it holds that point (default: where it is on the straight, evenly stretched line)",
+        description="position of that point (default: its position on the straight, evenly stretched line)",
     )
 
     def vectors(self) -> Iterator[tuple[float, ...]]:

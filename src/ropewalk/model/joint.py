@@ -38,7 +38,7 @@ class Joint(Declaration):
 class Sheave(Declaration):
     """A small wheel over which a line runs on: a point, where the line bends and slides."""
 
-    at: Point = Field(description="where it is; of a sheave on a joint, about where")
+    at: Point = Field(description="position; approximate for a sheave on a joint")
     friction: FrictionCoefficient = Field(
         default=0.0, description="coefficient: the line slips where T2/T1 exceeds exp(friction * angle)"
     )

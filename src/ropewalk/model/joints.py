@@ -59,7 +59,7 @@ def _joints(parts: Parts) -> Iterator[Finding]:
                     yield Finding(("lines", name, key, *inner), wrong, given, remedy)
                 other = parts.lines.get(support.to)
                 if other is not None and other.cut is not None and support.at == other.cut.at:
-                    wrong, remedy = f"{support.to} is cut just there", "join it beside the cut"
+                    wrong, remedy = f"{support.to} is cut just there", "join it at another position"
                     yield Finding(("lines", name, key, "at"), wrong, f"{support.at:g} m", remedy)
         for sheave, wheel in line.sheaves.items():
             if wheel.to is not None:
@@ -70,7 +70,7 @@ def _joints(parts: Parts) -> Iterator[Finding]:
     for name in parts.joints:
         if name not in used and all(line is not None for line in parts.lines.values()):
             remedy = f"write start_support: {{kind: joined, to: {name}}} in a line, or leave it out"
-            yield Finding(("joints", name), "nothing is joined to it", remedy=remedy)
+            yield Finding(("joints", name), "no line is joined to it", remedy=remedy)
 
 
 def _joined(name: str, support: Joined, parts: Parts) -> Iterator[_Lack]:
@@ -83,12 +83,12 @@ def _joined(name: str, support: Joined, parts: Parts) -> Iterator[_Lack]:
         yield ("to",), "no such joint, line or net", repr(support.to), remedy
     elif support.to in parts.joints:
         if support.at is not None:
-            yield ("at",), "a joint is one place", str(support.at), "leave at out"
+            yield ("at",), "a joint is a single point", str(support.at), "leave at out"
     elif support.to in parts.nets:
         if not isinstance(support.at, tuple) or len(support.at) != 2:
-            yield ("at",), "is missing: where on the net", str(support.at), "write at: [u, v] in m"
+            yield ("at",), "is required: position on the net", str(support.at), "write at: [u, v] in m"
     elif not isinstance(support.at, float):
-        yield ("at",), "is missing: where along that line", str(support.at), "write at: its distance from the start"
+        yield ("at",), "is required: position along that line", str(support.at), "write at: its distance from the start"
     else:
         line = parts.lines[support.to]
         if support.at < 0.0 or (line is not None and line.length is not None and support.at > line.length):
@@ -108,16 +108,16 @@ def _way(load: AnyLoad | None) -> tuple[tuple[float, ...], ...] | None:
 
 def _on_net(name: str, load: AnyLoad, parts: Parts) -> Iterator[Finding]:
     if isinstance(load, Axles | TrainSection):
-        wrong, remedy = "a train runs along a line, and a net has none", "let it run on a line"
+        wrong, remedy = "a train needs a line, and a net has none", "let it run on a line"
         yield Finding(("loads", name, "on"), wrong, load.on, remedy)
         return
     key, way = ("loads", name, *_way_key(load)), _way(load)
     if way is None:
-        remedy = "add the places that it goes through, for example path: [[0, 1.5], [4, 1.5]] in m"
-        yield Finding(key, "is missing, a load on a net needs it", remedy=remedy)
+        remedy = "write the points of the path, for example path: [[0, 1.5], [4, 1.5]] in m"
+        yield Finding(key, "is required for a load on a net", remedy=remedy)
         return
     if any(not isinstance(place, tuple) or len(place) != 2 for place in way):
-        yield Finding(key, "a place on a net has two coordinates", remedy="write [u, v] for each place")
+        yield Finding(key, "a position on a net has two coordinates", remedy="write [u, v] for each place")
         return
     length = sum(math.dist(a, b) for a, b in pairwise(way))
     begin = max(place.start for place in load.starts())
@@ -129,7 +129,7 @@ def _on_net(name: str, load: AnyLoad, parts: Parts) -> Iterator[Finding]:
     travel = getattr(load, "travel", None)
     clearance = getattr(travel, "margin", None) or 0.0
     if clearance and clearance >= 0.5 * length:
-        wrong, remedy = "leaves no room on the path", f"stay below {0.5 * length:g} m, half the length of the path"
+        wrong, remedy = "is longer than half of the path", f"stay below {0.5 * length:g} m, half the length of the path"
         yield Finding(("loads", name, "travel", "margin"), wrong, f"{clearance:g} m", remedy)
     elif length == 0.0 and not (isinstance(travel, Travel) and travel.speed == 0.0 and len(load.starts()) == 1):
         yield Finding(key, "the path has no length", remedy="give two or more different places")

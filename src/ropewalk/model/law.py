@@ -30,7 +30,7 @@ class SecondPiolaKirchhoff(Declaration):
 
 
 class Polynomial(Declaration):
-    """T = c1 eps + c2 eps^2 + c3 eps^3 + ..., with an own stiffness (no `axial_stiffness` beside it)."""
+    """T = c1 eps + c2 eps^2 + c3 eps^3 + ..., with its own stiffness (no `axial_stiffness`)."""
 
     kind: Literal["polynomial"] = "polynomial"
     coefficients: tuple[TableForce, ...] = Field(min_length=1, max_length=8, description="c1, c2, ... up to c8")
@@ -38,14 +38,14 @@ class Polynomial(Declaration):
     @model_validator(mode="after")
     def _pulls(self) -> Self:
         if self.coefficients[0] <= 0.0:
-            wrong = "the first coefficient is the stiffness at rest and must be positive"
+            wrong = "the first coefficient is the stiffness at strain 0 and must be positive"
             given, remedy = f"{self.coefficients[0]:g} N", "write EA first, for example 100 kN"
             report("polynomial", [Finding(("coefficients", 0), wrong, given, remedy)])
         return self
 
 
 class Tabulated(Declaration):
-    """T linear between points, continued with the end slopes, without `axial_stiffness` beside it."""
+    """T linear between points, continued with the end slopes, without `axial_stiffness`."""
 
     kind: Literal["table"] = "table"
     strain: tuple[TableStrain, ...] = Field(min_length=2, description="rising strains (0.01 or 1 %)")
@@ -81,7 +81,7 @@ REFERENCE_TENSION = 10e3  # N, tension at which riggers tell how far webbing str
 
 
 class Webbing(Declaration):
-    """T = 10 kN eps/stretch where eps > 0, told as riggers do; without `axial_stiffness` beside it.
+    """T = 10 kN eps/stretch where eps > 0, as riggers specify it; without `axial_stiffness`.
 
     By `name`: pinkTube 18 %, halfMarathon 4 % (slacktivity.com, Forces in Highlining). Others by their `stretch`.
     """

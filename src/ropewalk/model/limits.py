@@ -13,14 +13,15 @@ System = Literal["ac", "dc_3kv", "dc_1.5kv"]
 
 
 class Limits(Declaration):
-    """Limits of EN 50367, EN 50119 and the TSI Energy beside which the statistics of each pantograph are set.
+    """Limits of EN 50367, EN 50119 and the TSI Energy, compared with the statistics of each pantograph.
 
     They change nothing of a run. Their numbers were recalled, and not checked against the text of the standards.
     """
 
     system: System = Field(description="kind of current, which decides about mean force, largest force and arcing")
     uplift_space: PositiveLength | None = Field(
-        default=None, description="how far the contact wire may rise at the supports before it, or its arm, strikes"
+        default=None,
+        description="space for the uplift of the contact wire at the supports before it, or its arm, collides",
     )
     uplift_limited: bool = Field(
         default=False,
@@ -35,7 +36,7 @@ class Limits(Declaration):
     def _consistent(self) -> Self:
         findings = []
         if self.uplift_limited and self.uplift_space is None:
-            wrong, remedy = "there is no space that the uplift is set beside", "add uplift_space, for example 120 mm"
+            wrong, remedy = "the uplift has no limit to compare with", "add uplift_space, for example 120 mm"
             findings.append(Finding(("uplift_limited",), wrong, "true", remedy))
         report("limits", findings)
         return self

@@ -53,10 +53,10 @@ SHORTEST = 1e-6  # m, of a line that is given by its tension
 class Line(Declaration):
     """A string, rope or wire between two supports."""
 
-    start: Point = Field(description="where the line begins (material coordinate 0)")
-    end: Point = Field(description="where the line ends")
+    start: Point = Field(description="position of the start (material coordinate 0)")
+    end: Point = Field(description="position of the end")
     length: PositiveLength | None = Field(default=None, description="unstrained length; or give `tension`")
-    tension: PositiveForce | None = Field(default=None, description="mean tension at rest, instead of `length`")
+    tension: PositiveForce | None = Field(default=None, description="mean tension in equilibrium, instead of `length`")
     mass: MassPerLength = Field(description="mass per unstrained length")
     axial_stiffness: PositiveForce | None = Field(
         default=None, description="EA, needed by the laws without a stiffness of their own"
@@ -65,7 +65,7 @@ class Line(Declaration):
     axial_damping: AxialDamping = Field(default=0.0, description="Kelvin-Voigt c: T = T(eps) + c eps_t")
     hysteresis: Hysteresis | None = Field(
         default=None,
-        description="what unloading gives back less than loading has taken; in motions and quasi-static runs",
+        description="difference between loading and unloading tensions; in dynamic and quasi-static runs",
     )
     bending_stiffness: BendingStiffness = Field(default=0.0, description="EI; used by kind: linear and dynamic")
     foundation: BedStiffness = Field(
@@ -76,20 +76,20 @@ class Line(Declaration):
         default=0.0, description="beta of Rayleigh damping, in proportion to stiffness (drag is alpha); of beams"
     )
     damping: Damping | None = Field(default=None, description="ratio of its modes, instead of drag and retardation")
-    start_support: Support = Field(default=Fixed(), description="what holds the start")
-    end_support: Support = Field(default=Fixed(), description="what holds the end")
+    start_support: Support = Field(default=Fixed(), description="support at the start")
+    end_support: Support = Field(default=Fixed(), description="support at the end")
     supports: dict[Name, InnerSupport] = Field(
         default_factory=dict, description="between its ends, by name: piers, bearings, saddles that hold it"
     )
     elements: Annotated[int, Count(1, 10_000_000, auto=USUAL)] = Field(
         default=USUAL,
-        description="number of links; auto: as many as `accuracy` of the run asks for (other commands take 100)",
+        description="number of links; auto: chosen for `accuracy` of the run (other commands take 100)",
     )
     sheaves: dict[Name, Sheave] = Field(
-        default_factory=dict, description="over which it runs on its way from start to end, in order, by name"
+        default_factory=dict, description="sheaves over which the line runs, in order from start to end, by name"
     )
     saddles: dict[Name, Saddle] = Field(
-        default_factory=dict, description="round bodies on which it lies on its way from start to end, in order"
+        default_factory=dict, description="saddles on which the line lies, in order from start to end"
     )
     profile: Profile | None = Field(
         default=None,
@@ -99,9 +99,11 @@ class Line(Declaration):
         default_factory=dict, description="parts of it, by name, with another stiffness, mass or bed: steps, damage"
     )
     strength: PositiveForce | None = Field(
-        default=None, description="tension that it bears; where it feels more the run is doubtful, and it holds"
+        default=None,
+        description="tensile strength; where the tension exceeds it the run becomes doubtful, and the line stays "
+        "intact",
     )
-    cut: Cut | None = Field(default=None, description="where and when it fails")
+    cut: Cut | None = Field(default=None, description="position and time of a failure")
     wind_drag: Width = Field(default=0.0, description="drag coefficient times width, for wind across the line")
 
     @model_validator(mode="after")
@@ -119,7 +121,7 @@ class Line(Declaration):
 
     def _geometry(self) -> list[Finding]:
         if self.tension is not None and self.distance < SHORTEST:
-            wrong = f"start and end are {self.distance:g} m apart, as good as one place: no tension can be reached"
+            wrong = f"start and end are {self.distance:g} m apart, practically one point: no tension can be reached"
             return [Finding(("tension",), wrong, remedy="give length instead of tension, or other ends")]
         if self.length is not None and self.distance > (1.0 + LARGEST_STRAIN) * self.length:
             wrong = f"the line would be stretched to {self.distance / self.length:.3g} times its length"
@@ -165,10 +167,8 @@ class Line(Declaration):
                 wrong, remedy = "an inner support lets the line turn", "end two lines there, each of them clamped"
                 yield Finding((*path, "clamped"), wrong, "true", remedy)
             if self.length is not None and support.at >= self.length - near:
-                wrong, remedy = (
-                    f"is not between the ends of the line ({self.length:g} m long)",
-                    "stay within its length",
-                )
+                wrong = f"is not between the ends of the line ({self.length:g} m long)"
+                remedy = "stay within its length"
                 yield Finding((*path, "at"), wrong, f"{support.at:g} m", remedy)
             for other, at in taken.items():
                 if abs(at - support.at) <= near:
@@ -179,7 +179,7 @@ class Line(Declaration):
                 wrong, remedy = "a winch pulls at an end of a line", "leave winch out, or end the line there"
                 yield Finding((*path, "winch"), wrong, remedy=remedy)
             if support.position is None and any(isinstance(end, Joined) for _, end in self.ends()):
-                wrong, remedy = "is missing: where a joined line runs is not declared", "write position: [x, z]"
+                wrong, remedy = "is required: the path of a joined line is not declared", "write position: [x, z]"
                 yield Finding((*path, "position"), wrong, remedy=remedy)
         for key in ("sheaves", "saddles"):
             if self.supports and getattr(self, key):
@@ -265,10 +265,10 @@ def contradictions(given: Collection[str], law: str | None) -> list[Finding]:
     """
     findings = []
     if "length" in given and "tension" in given:
-        remedy = "give length (unstrained) or tension (mean tension at rest), not both"
+        remedy = "give length (unstrained) or tension (mean tension in equilibrium), not both"
         findings.append(Finding(("tension",), "length and tension exclude each other", remedy=remedy))
     if "length" not in given and "tension" not in given:
-        remedy = "add length (unstrained, in m) or tension (mean tension at rest, in N)"
+        remedy = "add length (unstrained, in m) or tension (mean tension in equilibrium, in N)"
         findings.append(Finding((), "the line is not determined", remedy=remedy))
     own = law in {model.model_fields["kind"].default for model in LAWS_WITH_OWN_STIFFNESS}
     if own and "axial_stiffness" in given:
@@ -277,5 +277,5 @@ def contradictions(given: Collection[str], law: str | None) -> list[Finding]:
         findings.append(Finding(("axial_stiffness",), wrong, remedy="leave axial_stiffness out"))
     if law is not None and not own and "axial_stiffness" not in given:
         remedy = "add axial_stiffness (EA, in N), for example 100 kN"
-        findings.append(Finding(("axial_stiffness",), f"is missing, law {law} needs it", remedy=remedy))
+        findings.append(Finding(("axial_stiffness",), f"is required by law {law}", remedy=remedy))
     return findings

@@ -47,7 +47,7 @@ class MovingForce(Declaration):
     on: str = Field(description="name of the line")
     force: ForceHistory = Field(description="[Fx, Fz] or [Fx, Fy, Fz], or a table {time, value} of them")
     travel: Annotated[Travel, prescribed_only("a force without mass cannot travel freely")] = Field(
-        description="how it advances along the line"
+        description="motion along the line"
     )
     contact: Contact = Field(
         default="clamped",
@@ -69,7 +69,7 @@ class MovingForce(Declaration):
         findings = []
         if self.contact in RUBBING and self.friction is None:
             remedy = "add friction: its coefficient, for example 0.3"
-            findings.append(Finding(("friction",), f"is missing, contact {self.contact} needs it", remedy=remedy))
+            findings.append(Finding(("friction",), f"is required by contact {self.contact}", remedy=remedy))
         if self.contact == "frictionless" and self.friction:
             remedy = "leave friction out, or write contact: coulomb"
             findings.append(Finding(("friction",), "contact frictionless has none", f"{self.friction:g}", remedy))

@@ -39,7 +39,7 @@ def check_magnitudes(parts: Parts) -> Iterator[Finding]:
 
 
 def _of_line(line: Line, parts: Parts) -> Iterator[tuple[str, str, str, str]]:
-    """What is wrong with a line: key, problem, value, remedy."""
+    """Problems of a line: key, problem, value, remedy."""
     if not isinstance(parts.run, Dynamic | Linear):
         return
     if line.mass < LEAST_MASS and not line.axial_stiffness:

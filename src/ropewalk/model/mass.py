@@ -20,14 +20,14 @@ class MovingMass(Declaration):
     kind: Literal["mass"] = "mass"
     on: str = Field(description="name of the line")
     mass: PositiveMass = Field(description="of the load; its weight acts by itself")
-    travel: AnyTravel = Field(description="how it advances along the line, prescribed or free")
+    travel: AnyTravel = Field(description="motion along the line, prescribed or free")
     contact: Literal["clamped", "frictionless"] = Field(
         default="clamped",
         description="of a prescribed travel: clamped: held along the line, its tension jumps at the load; "
         "frictionless: equal tension on both sides",
     )
     force: ForceHistory = Field(default=(0.0, 0.0), description="further force on it, or a table {time, value}")
-    air_drag: AirDrag = Field(default=0.0, description="force air_drag |v| v, v: of the air as it sees it")
+    air_drag: AirDrag = Field(default=0.0, description="force air_drag |v| v, v: relative velocity of the air")
     lift_off: bool = Field(default=False, description=LIFT_OFF)
     side: Side = Field(default="above", description=SIDE)
 

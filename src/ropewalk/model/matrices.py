@@ -44,8 +44,8 @@ class Matrices(Declaration):
         description="of each coordinate, positive downwards (default: row sums of the mass matrix times gravity, "
         "which is right where all coordinates are heights)",
     )
-    travel: Annotated[Travel, prescribed_only("a vehicle travels as prescribed")] = Field(
-        description="how its point 0 advances; wheels with a positive `at` run ahead of it towards the end of the line"
+    travel: Annotated[Travel, prescribed_only("the travel of a vehicle is prescribed")] = Field(
+        description="motion of its point 0; wheels with a positive `at` run ahead of it towards the end of the line"
     )
     lift_off: bool = Field(default=False, description=LIFT_OFF)
     side: Side = Field(default="above", description=SIDE)
@@ -84,7 +84,7 @@ class Matrices(Declaration):
                 wrong, remedy = f"wheel {one} has the same coordinate", "give every wheel its own coordinate"
                 yield Finding(("wheels", two, "coordinate"), wrong, repr(second.coordinate), remedy)
             elif math.isclose(first.at, second.at, rel_tol=1e-9, abs_tol=1e-9):
-                remedy = "let it stand elsewhere (at), or make one wheel of the two"
+                remedy = "write another position (at), or combine both wheels"
                 yield Finding(("wheels", two, "at"), f"at the same place as wheel {one}", f"{second.at:g} m", remedy)
 
     def _sizes(self) -> Iterator[Finding]:

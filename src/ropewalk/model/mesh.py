@@ -32,7 +32,7 @@ def check_mesh(parts: Parts) -> Iterator[Finding]:
         yield from _auto(parts)
     elif not isinstance(run, Dynamic | Linear) and run.accuracy is not None:
         remedy = f"write elements: {AUTO} of all lines, or leave it out"
-        yield Finding(("run", "accuracy"), f"goes with elements: {AUTO}", f"{run.accuracy:g} m", remedy)
+        yield Finding(("run", "accuracy"), f"is for elements: {AUTO}", f"{run.accuracy:g} m", remedy)
     if parts.is_auto or (not isinstance(run, Linear) and run.mesh_error):
         yield from _alone(parts)
     if not isinstance(run, Linear) and run.mesh_error and not parts.is_auto:
@@ -43,12 +43,12 @@ def _auto(parts: Parts) -> Iterator[Finding]:
     """What elements: auto needs, and what it leaves alone."""
     run, lines = parts.run, parts.lines
     if isinstance(run, Linear):
-        wrong, remedy = "is found from motions and rest with all geometry", "write a number"
+        wrong, remedy = "is determined from geometrically nonlinear equilibria and motions", "write a number"
         for name in _with_auto(parts):
             yield Finding(("lines", name, "elements"), wrong, AUTO, remedy)
     elif run is not None and run.accuracy is None:
-        remedy = "add accuracy (wanted of positions against the continuum, in m)"
-        yield Finding(("run", "accuracy"), f"is missing, elements: {AUTO} needs it", remedy=remedy)
+        remedy = "add accuracy (target for positions, compared with the continuum, in m)"
+        yield Finding(("run", "accuracy"), f"is required by elements: {AUTO}", remedy=remedy)
     for name, line in lines.items():
         if line is not None and not isinstance(line.elements, Auto):
             wrong, remedy = f"is a number where that of others is {AUTO}", f"write {AUTO} for all lines or for none"
@@ -71,11 +71,11 @@ def _alone(parts: Parts) -> Iterator[Finding]:
             remedy = "write elements as a number, and leave mesh_error out"
             yield Finding(("loads", name, "kind"), f"an external model {what}", load.kind, remedy)
     if isinstance(run, Dynamic) and run.start.kind == "result":
-        remedy = "write elements as a number, leave mesh_error out, or begin at rest"
+        remedy = "write elements as a number, leave mesh_error out, or begin in equilibrium"
         yield Finding(("run", "start", "kind"), f"a state that is on one mesh {what}", "result", remedy)
     if isinstance(run, Quasistatic) and run.turn is not None:
         remedy = "leave turn out, or write elements as a number and leave mesh_error out"
-        yield Finding(("run", "turn"), f"a path whose positions depend on the mesh {what}", f"{run.turn:g}", remedy)
+        yield Finding(("run", "turn"), f"a path with mesh-dependent positions {what}", f"{run.turn:g}", remedy)
 
 
 def _subdivided(parts: Parts) -> Iterator[Finding]:
@@ -89,14 +89,14 @@ def _subdivided(parts: Parts) -> Iterator[Finding]:
         if net is None:
             continue
         if net.cells is None:
-            wrong = "is missing, mesh_error needs it" if net.boundary is None else "an outline has one mesh only"
+            wrong = "is required by mesh_error" if net.boundary is None else "an outline has one mesh only"
             remedy = "add cells (along both sides)" if net.boundary is None else "leave mesh_error out"
             yield Finding(("nets", name, "cells" if net.boundary is None else "boundary"), wrong, remedy=remedy)
             continue
         for cells in net.cells:
             yield from _one(("nets", name, "cells"), cells, FEWEST)
         if isinstance(net, Net) and net.mesh is None:
-            wrong = "is missing: without it threads are where cells are, and there are no finer ones"
+            wrong = "is required: without it threads coincide with the edges of cells, which cannot be refined"
             yield Finding(("nets", name, "mesh"), wrong, remedy="add mesh (distance of the threads), or no mesh_error")
 
 

@@ -83,29 +83,29 @@ class Sheet(Declaration):
         default=None, description="corners of any flat outline in order, instead of corner and sides"
     )
     spacing: PositiveLength | None = Field(default=None, description="of the nodes within an outline, needed for it")
-    edge: Edge = Field(default=ClampedEdge(), description="what holds the edge")
+    edge: Edge = Field(default=ClampedEdge(), description="support of the edge")
     drag: Rate = Field(default=0.0, description="mass-proportional damping: force -drag * mass * velocity")
 
     def layout(self) -> list[Finding]:
-        """Find what is wrong with where it is laid out."""
+        """Find problems of where it is laid out."""
         findings = []
         if (self.boundary is None) == (self.corner is None and self.sides is None):
             remedy = "give corner and sides (a parallelogram), or boundary and spacing (any outline)"
-            return [Finding((), "where it is laid out is not determined", remedy=remedy)]
+            return [Finding((), "the outline is not determined", remedy=remedy)]
         if self.boundary is None:
             for key in ("corner", "sides"):
                 if getattr(self, key) is None:
-                    findings.append(Finding((key,), "is missing", remedy="a parallelogram needs corner and sides"))
+                    findings.append(Finding((key,), "is required", remedy="a parallelogram needs corner and sides"))
             if self.spacing is not None:
-                findings.append(Finding(("spacing",), "goes with boundary", f"{self.spacing:g} m", "write cells"))
+                findings.append(Finding(("spacing",), "is for boundary", f"{self.spacing:g} m", "write cells"))
             if self.sides is not None:
                 findings += self._sides(self.sides)
             return findings
         for key in ("cells",):
             if getattr(self, key) is not None:
-                findings.append(Finding((key,), "goes with corner and sides", remedy="write spacing"))
+                findings.append(Finding((key,), "is for corner and sides", remedy="write spacing"))
         if self.spacing is None:
-            findings.append(Finding(("spacing",), "is missing, an outline needs it", remedy="add spacing in m"))
+            findings.append(Finding(("spacing",), "is required for an outline", remedy="add spacing in m"))
         if len(self.boundary) < 3:
             wrong, remedy = f"an outline of {len(self.boundary)} corners", "give three or more"
             findings.append(Finding(("boundary",), wrong, remedy=remedy))
@@ -169,7 +169,7 @@ class Net(Sheet):
     def _consistent(self) -> Self:
         findings = [*self.layout(), *_tension_or_slack(self.tension, self.slack)]
         if self.boundary is not None and self.mesh is None:
-            findings.append(Finding(("mesh",), "is missing, an outline needs it", remedy="add the distance of threads"))
+            findings.append(Finding(("mesh",), "is required for an outline", remedy="add the distance of threads"))
         if self.sides is not None and not findings:
             a, b = (_three(side) for side in self.sides)
             if abs(sum(p * q for p, q in zip(a, b, strict=True))) > 1e-9 * math.hypot(*a) * math.hypot(*b):

@@ -26,11 +26,13 @@ class Oscillator(Declaration):
         default=0.0, description="of the dampers, one value or [cx, cz], in space [cx, cy, cz]"
     )
     wheel_mass: Mass = Field(default=0.0, description="of the wheel; a free travel needs it")
-    travel: AnyTravel = Field(description="how its wheel advances along the line, prescribed or free")
+    travel: AnyTravel = Field(description="motion of its wheel along the line, prescribed or free")
     lift_off: bool = Field(default=False, description=LIFT_OFF)
     side: Side = Field(default="above", description=SIDE)
     contact_stiffness: PositiveStiffness | None = Field(default=None, description=CONTACT_STIFFNESS)
-    air_drag: AirDrag = Field(default=0.0, description="force air_drag |v| v, v: of the air as the mass sees it")
+    air_drag: AirDrag = Field(
+        default=0.0, description="coefficient of the force air_drag |v| v, v: velocity of the air relative to the mass"
+    )
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -40,7 +42,7 @@ class Oscillator(Declaration):
             findings += self._upright()
         if isinstance(self.travel, FreeTravel) and not self.wheel_mass:
             remedy = "add wheel_mass, for example a hundredth of mass, or prescribe the travel"
-            findings.append(Finding(("wheel_mass",), "is missing, a free travel moves the wheel by it", remedy=remedy))
+            findings.append(Finding(("wheel_mass",), "is required for free travel", remedy=remedy))
         report("oscillator", findings)
         return self
 

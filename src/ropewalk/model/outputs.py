@@ -37,7 +37,7 @@ class Outputs(Declaration):
     places: dict[Name, LinePlace] = Field(default_factory=dict, description="places along lines, by name")
     ground: Way | None = Field(
         default=None,
-        description="points [x, z] of the ground, by rising x, of which results tell the clearance",
+        description="points [x, z] of the ground, by rising x; the clearance above them is recorded",
     )
     impact: bool = Field(
         default=False,
@@ -55,7 +55,7 @@ def _ground(parts: Any) -> Iterator[Finding]:
     elif len(points) == 1:
         yield Finding(path, "is a single point", remedy="write two or more")
     elif any(b[0] <= a[0] for a, b in pairwise(points)):
-        yield Finding(path, "goes back along x", remedy="sort its points by x, each once")
+        yield Finding(path, "has points with falling x", remedy="sort its points by x, each once")
     else:
         ends = [end[0] for line in parts.lines.values() if line is not None for end in (line.start, line.end)]
         if ends and (points[-1][0] < min(ends) or points[0][0] > max(ends)):

@@ -58,8 +58,8 @@ class Droppers(Declaration):
     )
     lengths: LengthRows | None = Field(
         default=None,
-        description="unstrained length of each dropper of a span, or one such list for each span (default: as the "
-        "wanted pre_sag demands)",
+        description="unstrained length of each dropper of a span, or one such list for each span (default: computed "
+        "from pre_sag)",
     )
     stiffness: PositiveStiffness = Field(default=100e3, description="in tension")
     pushes: Stiffness = Field(default=0.0, description="stiffness in compression")
@@ -70,7 +70,7 @@ class Droppers(Declaration):
     messenger_clamp: Mass = Field(default=0.0, description="mass of the clamp on the messenger or stitch wire")
     strength: PositiveForce | None = Field(
         default=None,
-        description="that tears a dropper, at rest or on the way: it pulls no more from then on (default: none does)",
+        description="tensile strength of a dropper, which then fails (default: unlimited)",
     )
     cut: DropperCut | None = Field(default=None, description="droppers that fail at a time (default: none)")
 
@@ -113,7 +113,7 @@ class SteadyArms(Declaration):
     axial_stiffness: PositiveForce = Field(default=17e6, description="EA")
     stagger: Staggers | None = Field(
         default=None,
-        description="how far aside the wire is held: at the first end to the left (y > 0), then on alternating sides; "
+        description="lateral offset of the wire: at the first end to the left (y > 0), then on alternating sides; "
         "or a list, one value for each support with both ends",
     )
     free: bool = Field(
@@ -161,8 +161,8 @@ class MessengerSupports(Declaration):
     damping: Viscosities = Field(default=0.0, description="one value for all directions, or [cx, cz], [cx, cy, cz]")
     along: Literal["swings", "held"] | None = Field(
         default=None,
-        description="swings: the cantilever turns and the messenger is free along the line; held: it is held along "
-        "the line as well (default: swings, or held where a stiffness along the line is given)",
+        description="`swings`: the cantilever turns and the messenger is free along the line; `held`: it is held "
+        "along the line as well (default: `swings`, or `held` if a stiffness along the line is given)",
     )
     stagger: Literal["same", "straight"] = Field(
         default="same",
@@ -173,7 +173,7 @@ class MessengerSupports(Declaration):
     def _consistent(self) -> Self:
         findings = []
         if isinstance(self.stiffness, tuple) and self.along == "swings":
-            wrong = "what swings has no stiffness along the line"
+            wrong = "a messenger with along: swings has no stiffness along the line"
             remedy = f"write along: held, or one number, {self.stiffness[-1]:g} N/m"
             findings.append(Finding(("along",), wrong, f"{self.stiffness[0]:g} N/m", remedy))
         report("messenger supports", findings)
@@ -195,10 +195,10 @@ class OverheadLine(Declaration):
     spans: Annotated[tuple[float, ...] | Spans, ListOrSpans()] = Field(
         description="{count, length}, or a list of the lengths of all spans, in order"
     )
-    start: Point = Field(default=(0.0, 0.0), description="where the contact wire begins; the line runs along x")
+    start: Point = Field(default=(0.0, 0.0), description="start of the contact wire; the line extends along x")
     contact_wire: ContactWire = Field(default=ContactWire.as_written(), description="the wire that pantographs touch")
     messenger_wire: MessengerWire = Field(default=MessengerWire.as_written(), description="the wire that carries it")
-    droppers: Droppers = Field(default=Droppers.as_written(), description="what hangs the one from the other")
+    droppers: Droppers = Field(default=Droppers.as_written(), description="droppers between messenger and contact wire")
     system_height: PositiveLength = Field(default=1.2, description="of the messenger over the contact wire at supports")
     heights: Heights | None = Field(
         default=None,
@@ -212,37 +212,37 @@ class OverheadLine(Declaration):
     )
     overlap: str | None = Field(
         default=None,
-        description="name of the overhead line that begins beside the last spans of this one: pantographs press on "
-        "both contact wires and go over",
+        description="name of the overhead line that begins parallel to the last spans of this one: pantographs press "
+        "on both contact wires and pass over",
     )
     pre_sag: Sags | None = Field(
         default=None,
-        description="how much lower than at the supports the contact wire is: at each dropper of a span, one such list "
+        description="pre-sag of the contact wire, its depth below the supports: at each dropper of a span, one such "
+        "list "
         "for each span, or the largest value, in the middle of a parabola through the outer droppers (default: 0)",
     )
     steady_arms: SteadyArms = Field(
-        default=SteadyArms.as_written(), description="what holds the contact wire at the supports"
+        default=SteadyArms.as_written(), description="steady arms of the contact wire at the supports"
     )
     messenger_supports: MessengerSupports = Field(
-        default=MessengerSupports.as_written(), description="what holds the messenger at the supports"
+        default=MessengerSupports.as_written(), description="supports of the messenger"
     )
     stitch_wire: StitchWire | None = Field(default=None, description="an auxiliary wire at the supports")
     ends: Literal["weights", "anchored"] = Field(
         default="weights",
-        description="of both wires: weights keep the tension constant, or the ends are fixed; the linearised motion "
-        "does not tell them apart",
+        description="of both wires: weights keep the tension constant, or the ends are fixed; both are equal in "
+        "linearised motion",
     )
-    element: PositiveLength = Field(default=0.25, description="wanted length of the links of all wires")
+    element: PositiveLength = Field(default=0.25, description="target length of the links of all wires")
     analysed_spans: Annotated[tuple[int, int], FirstAndLast()] | None = Field(
         default=None,
         description="first and last span, counted from 1, that statistics speak of (default: all but a quarter of the "
         "spans, rounded up, at either end)",
     )
-    condition: Condition | None = Field(
-        default=None, description="what has changed since the line was fitted (default: nothing)"
-    )
+    condition: Condition | None = Field(default=None, description="changes since installation (default: none)")
     limits: Limits | None = Field(
-        default=None, description="of current collection, beside which summaries and reports set each pantograph"
+        default=None,
+        description="limits of current collection, for comparison in summaries and reports",
     )
 
     @model_validator(mode="after")
@@ -339,7 +339,7 @@ class OverheadLine(Declaration):
         yield from not_there(path, cut.droppers, [len(row) for row in self.dropper_places])
         for i, one in enumerate(cut.droppers):
             if self.condition is not None and one in self.condition.missing_droppers:
-                yield Finding((*path, i), "is missing from the start", f"{list(one)}", "name it once")
+                yield Finding((*path, i), "is also in condition.missing_droppers", f"{list(one)}", "name it once")
 
     def _spans(self) -> Iterator[Finding]:
         lengths = self.span_lengths
@@ -353,7 +353,7 @@ class OverheadLine(Declaration):
         if self.analysed_spans is not None:
             first, last = self.analysed_spans
             if first > last or last > len(lengths):
-                wrong = "not spans of this line" if last > len(lengths) else "the first comes after the last"
+                wrong = "not spans of this line" if last > len(lengths) else "the first span is after the last"
                 remedy = f"write the first and the last span, from 1 to {len(lengths)}"
                 yield Finding(("analysed_spans",), wrong, f"[{first}, {last}]", remedy)
 
@@ -408,7 +408,7 @@ class OverheadLine(Declaration):
                     yield Finding(path, "does not go with the droppers", given, f"give {len(at)} {what}")
                     break
         if self.droppers.lengths is not None and self.pre_sag is not None:
-            wrong, remedy = "lengths and pre_sag exclude each other", "give the lengths or the wanted sag, not both"
+            wrong, remedy = "lengths and pre_sag exclude each other", "write the lengths or pre_sag, not both"
             yield Finding(("pre_sag",), wrong, remedy=remedy)
 
     def _supports(self) -> Iterator[Finding]:

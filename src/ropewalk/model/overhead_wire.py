@@ -20,7 +20,7 @@ class OverheadWire(Declaration):
     """A wire of an overhead line, at constant tension at rest."""
 
     mass: MassPerLength = Field(description="per length")
-    tension: PositiveForce = Field(description="along the line, at rest")
+    tension: PositiveForce = Field(description="along the line, in equilibrium")
     bending_stiffness: BendingStiffness = Field(default=0.0, description="EI")
     axial_stiffness: PositiveForce = Field(default=17e6, description="EA; not used by linearised motion")
     drag: Rate = Field(default=0.0, description="alpha of Rayleigh damping: force -drag * mass * velocity")
@@ -28,18 +28,18 @@ class OverheadWire(Declaration):
 
 
 class ContactWire(OverheadWire):
-    """The wire that pantographs touch; what is not given is that of the EN 50318 reference models."""
+    """The wire that pantographs touch; an omitted value is that of the EN 50318 reference models."""
 
     mass: MassPerLength = Field(default=1.35, description="per length")
-    tension: PositiveForce = Field(default=20e3, description="along the line, at rest")
+    tension: PositiveForce = Field(default=20e3, description="along the line, in equilibrium")
     bending_stiffness: BendingStiffness = Field(default=195.0, description="EI")
 
 
 class MessengerWire(OverheadWire):
-    """The wire that carries the contact wire; what is not given is that of the EN 50318:2002 reference model."""
+    """The wire that carries the contact wire; an omitted value is that of the EN 50318:2002 reference model."""
 
     mass: MassPerLength = Field(default=1.07, description="per length")
-    tension: PositiveForce = Field(default=16e3, description="along the line, at rest")
+    tension: PositiveForce = Field(default=16e3, description="along the line, in equilibrium")
     bending_stiffness: BendingStiffness = Field(default=131.7, description="EI")
     axial_stiffness: PositiveForce = Field(default=14e6, description="EA; not used by linearised motion")
 
@@ -52,6 +52,6 @@ class StitchWire(OverheadWire):
 
     length: PositiveLength = Field(default=14.0, description="from clamp to clamp, half on each side of a support")
     mass: MassPerLength = Field(default=0.31, description="per length")
-    tension: PositiveForce = Field(default=2.5e3, description="along the line, at rest")
+    tension: PositiveForce = Field(default=2.5e3, description="along the line, in equilibrium")
     axial_stiffness: PositiveForce = Field(default=4e6, description="EA")
     clamp: Mass = Field(default=0.0, description="mass of each clamp on the messenger")

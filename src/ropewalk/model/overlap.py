@@ -72,9 +72,9 @@ def check_overlaps(parts: Parts) -> Iterator[Finding]:
             known = [key for key in parts.overhead if key != name]
             others = ", ".join(known) or "there are none"
             remedy = did_you_mean(line.overlap, known, otherwise=f"other overhead lines here: {others}")
-            yield Finding(path, "no such overhead line beside this one", repr(line.overlap), remedy)
+            yield Finding(path, "unknown overhead line", repr(line.overlap), remedy)
         elif line.overlap in taken:
-            remedy = "let one line go on as another: pantographs do not choose their way"
+            remedy = "name each line as overlap once: the path of pantographs must be unique"
             yield Finding(path, f"{taken[line.overlap]} overlaps with it, too", repr(line.overlap), remedy)
         elif other is not None:
             yield from _beside(name, line, line.overlap, other)
@@ -85,20 +85,20 @@ def check_overlaps(parts: Parts) -> Iterator[Finding]:
         course, path = course_of(parts.overhead, load.on), ("loads", name, "irregularity")
         if isinstance(load.irregularity, str) and len(course) > 1:
             each = ", ".join(f"{key}: {load.irregularity}" for key in course)
-            wrong = f"which contact wire is meant? It goes over from one to another: {', '.join(course)}"
+            wrong = f"the contact wire is ambiguous, the pantograph passes over several: {', '.join(course)}"
             yield Finding(path, wrong, load.irregularity, f"write one file for each line, or for some: {{{each}}}")
         for key in load.irregularities:
             if key not in course:
                 remedy = did_you_mean(key, course) or "leave irregularity out"
-                yield Finding((*path, key), "it does not come to such a line", key, remedy)
+                yield Finding((*path, key), "the pantograph does not reach this line", key, remedy)
 
 
 def _beside(name: str, line: OverheadLine, follower: str, other: OverheadLine) -> Iterator[Finding]:
-    """What is wrong with two lines beside each other."""
+    """Find problems of two adjacent lines."""
     end, begin, last = line.start[0] + line.length, other.start[0], other.start[0] + other.length
     if not line.start[0] < begin < end < last:
         given = f"x = {line.start[0]:g} to {end:g} m, and {begin:g} to {last:g} m"
-        wrong = f"the line does not run beside {follower} at its end"
+        wrong = f"the line does not overlap with {follower} at its end"
         remedy = f"let {follower} start between {line.start[0]:g} and {end:g} m, and end beyond {end:g} m"
         yield Finding(("overhead_lines", name, "overlap"), wrong, given, remedy)
         return

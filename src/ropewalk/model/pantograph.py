@@ -102,7 +102,7 @@ class Pantograph(Declaration):
 
     It is a published one, named by `model`, or given by its masses, springs and dampers. The spring of its base is
     without force where the head stands as high as the contact wire at the supports; weights are not counted, the
-    static force is what is left of the raising force.
+    static force is the remainder of the raising force.
     """
 
     kind: Literal["pantograph"] = "pantograph"
@@ -114,17 +114,17 @@ class Pantograph(Declaration):
     stiffness: StiffnessList | None = Field(
         default=None, description="of the spring below each mass; the first stands on the roof and may be 0"
     )
-    damping: ViscosityList | None = Field(default=None, description="of the damper beside each spring")
-    travel: PantographTravel = Field(description="how it advances")
+    damping: ViscosityList | None = Field(default=None, description="of the damper parallel to each spring")
+    travel: PantographTravel = Field(description="motion along the line")
     static_force: PositiveForce | None = Field(
         default=None, description="upwards on the lowest mass (default: that of the published pantograph)"
     )
-    aerodynamic: AirDrag = Field(default=0.0, description="uplift aerodynamic * speed^2, beside the static force")
+    aerodynamic: AirDrag = Field(default=0.0, description="uplift aerodynamic * speed^2, added to the static force")
     aerodynamic_on: Literal["frame", "head"] = Field(default="frame", description="mass on which the uplift acts")
     mean_force: Annotated[float | str, _ForceOrTarget()] | None = Field(
         default=None,
-        description="wanted mean contact force, instead of static and aerodynamic force: a value, or what a standard "
-        f"asks for at its speed: {', '.join(TARGETS)}",
+        description="target mean contact force, instead of static and aerodynamic force: a value, or that of a "
+        f"standard at its speed: {', '.join(TARGETS)}",
     )
     ramp: RampTime = Field(default=0.3, description="time in which all forces on it grow to their full size")
     contact_stiffness: PositiveStiffness = Field(default=50e3, description="of head and contact wire")
@@ -213,7 +213,7 @@ class Pantograph(Declaration):
             return
         for key in missing:
             remedy = f"add {key}: one value for each mass, from the base to the head"
-            yield Finding((key,), "is missing", remedy=remedy)
+            yield Finding((key,), "is required", remedy=remedy)
         if self.masses is not None and len(self.masses) not in (2, 3):
             count = f"{len(self.masses)} mass{'es' if len(self.masses) > 1 else ''}"
             yield Finding(
@@ -228,7 +228,7 @@ class Pantograph(Declaration):
         for i, stiffness in enumerate(self.stiffness or ()):
             if i and stiffness == 0.0:
                 remedy = "give the spring below this mass a stiffness; only the first, on the roof, may be 0"
-                yield Finding(("stiffness", i), "nothing carries the mass", "0 N/m", remedy)
+                yield Finding(("stiffness", i), "the mass has no support", "0 N/m", remedy)
 
     def _forces(self) -> Iterator[Finding]:
         if self.aerodynamic_on == "head" and not self.aerodynamic:
@@ -241,7 +241,7 @@ class Pantograph(Declaration):
                     yield Finding((key,), "mean_force takes its place", f"{getattr(self, key):g}", remedy)
         elif self.static_force is None and self.model is None:
             remedy = "add static_force, for example 120 N, or mean_force, for example ac"
-            yield Finding(("static_force",), "is missing, nothing presses the pantograph to the wire", remedy=remedy)
+            yield Finding(("static_force",), "is required: no force acts upwards on the pantograph", remedy=remedy)
         elif self.static_force is None and self.aerodynamic:
             published = PUBLISHED.get(self.model or "")
             if published is not None and isinstance(published.force, str):

@@ -14,7 +14,7 @@ class Published:
 
     masses: tuple[float, ...]  # kg
     stiffness: tuple[float, ...]  # N/m, of the spring below each mass
-    damping: tuple[float, ...]  # N s/m, beside each spring
+    damping: tuple[float, ...]  # N s/m, parallel to each spring
     contact_stiffness: float  # N/m
     force: float | str  # N, static force on the lowest mass, or the name of a mean force
     source: str

@@ -84,7 +84,9 @@ def travels(parts: Parts) -> Iterator[Finding]:
         half = 0.5 * (line.length or line.distance)
         if clearance >= half:
             remedy = f"stay below {half:g} m, half the length of the line"
-            yield Finding(("loads", name, "travel", "margin"), f"leaves no room on {on}", f"{clearance:g} m", remedy)
+            yield Finding(
+                ("loads", name, "travel", "margin"), f"is longer than half of {on}", f"{clearance:g} m", remedy
+            )
             continue
         wrong_start = _off_the_line(load, on, line, parts.gravity)
         if wrong_start is not None:
@@ -104,7 +106,7 @@ def meetings(parts: Parts) -> Iterator[Finding]:
         wire = parts.overhead.get(load.on) if load is not None else None
         if load is not None and wire is not None and not isinstance(load, Pantograph):
             everybody.append((name, load, load.on, wire))
-    found = set[str]()  # who meets somebody is told so once
+    found = set[str]()  # each pair is reported once
     # People pass one another.
     alone = [
         load for load in everybody if not (is_one_of_many(load[0]) and isinstance(load[1], Footsteps))
@@ -254,7 +256,7 @@ def _passing(
         return
     time, end = min(times)
     given = "a table" if isinstance(travel.speed, SpeedTable) else f"{travel.speed:g} m/s"
-    wrong = f"the load passes the {end} of {on} at {_floor(time):g} s and the run goes on until {until:g} s"
+    wrong = f"the load passes the {end} of {on} at {_floor(time):g} s and the run ends at {until:g} s"
     remedy = f"write run.until: {_floor(time):g} s, change speed or from, or write at_end: leave"
     if _floor(time) == 0.0:
         wrong = f"the load stands at the {end} of {on} and would move off it"
@@ -269,7 +271,7 @@ def _stepping_off(name: str, load: Footsteps, on: str, line: Line, until: float)
     steps = math.floor(clearance / load.step_length * (1.0 + 1e-9)) + 1.0 - load.phase  # to the first foot beyond it
     time = steps / load.frequency
     if time < until:
-        wrong = f"a foot lands beyond the {load.towards} of {on} at {time:.4g} s and the run goes on until {until:g} s"
+        wrong = f"a foot lands beyond the {load.towards} of {on} at {time:.4g} s and the run ends at {until:g} s"
         remedy = f"write run.until: {_floor(time):g} s, change from or towards, or write at_end: leave"
         yield Finding(("loads", name, "from"), wrong, f"{load.start:g} m", remedy)
 

@@ -39,7 +39,7 @@ def strain_range(line: Line) -> StrainRange:
         high = 3.0 * 1e4 / law.axial_stiffness
         return StrainRange(-math.inf, high, "the strain at 30 kN, where webbing breaks")
     if isinstance(law, Polynomial):
-        return StrainRange(*_turning_points(law), "where its polynomial turns and the tension falls")
+        return StrainRange(*_turning_points(law), "at which its polynomial has its maximum and the tension falls")
     if line.axial_stiffness is None:  # inextensible
         return StrainRange(-math.inf, math.inf, "")
     high, reason = known_strain(math.sqrt(line.axial_stiffness / line.mass))

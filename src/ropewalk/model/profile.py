@@ -34,14 +34,14 @@ Spectrum = Literal[
 class Profile(Declaration):
     """The profile of a road or track on a line and before and behind it: camber, roughness, irregularities.
 
-    Wheels of masses, oscillators, trolleys and vehicles follow it, feet of walkers stand on it, and models of one's own
+    Wheels of masses, oscillators, trolleys and vehicles follow it, feet of walkers stand on it, and user-defined models
     see the line with it; given forces do not feel it.
     """
 
     file: str | None = Field(
         default=None,
-        description="name of a file with rows `x, z` in m: height of the way above the line at x along it from its "
-        "start; a natural cubic spline in between, level beyond; or give `spectrum`",
+        description="name of a file with rows `x, z` in m: height of the surface above the line at x along it from "
+        "its start; a natural cubic spline in between, level beyond; or give `spectrum`",
     )
     spectrum: Spectrum | None = Field(
         default=None, description="power spectral density that a profile is generated from; or give `file`"
@@ -67,7 +67,7 @@ class Profile(Declaration):
         elif self.file is not None:
             for key in ("seed", "wavelengths"):
                 if (value := getattr(self, key)) != type(self).model_fields[key].default:
-                    yield Finding((key,), "the profile comes from a file", str(value), f"leave {key} out")
+                    yield Finding((key,), "the profile is read from a file", str(value), f"leave {key} out")
         if self.wavelengths is not None and not (
             len(self.wavelengths) == 2 and self.wavelengths[0] < self.wavelengths[1]
         ):

@@ -44,7 +44,7 @@ class Start(Declaration):
     whirl, they have the velocity that the mode of this number at right angles to it has as it passes rest.
     """
 
-    kind: Literal["rest", "result", "mode"] = Field(default="rest", description="what the motion begins with")
+    kind: Literal["rest", "result", "mode"] = Field(default="rest", description="initial state")
     with_loads: bool = Field(default=False, description="rest: let the loads rest on the line at their start, too")
     in_wind: bool = Field(
         default=False, description="rest: equilibrium in the wind as it blows at t = 0 (default: in calm air)"
@@ -61,7 +61,7 @@ class Start(Declaration):
     )
     whirl: bool = Field(
         default=False,
-        description="mode: instead of at rest, turn about the line through the supports (in three dimensions), from "
+        description="mode: rotate from the start about the line through the supports (in three dimensions), from "
         "start to end right-handed, as fast as the tension holds a circle",
     )
     line: str | None = Field(default=None, description="mode: name of the only line that has it (default: all have)")
@@ -76,13 +76,13 @@ class Start(Declaration):
                 value = getattr(self, key)
                 if kind != self.kind and value is not None and value is not False:
                     remedy = f"leave it out{_INSTEAD[self.kind]}, or write kind: {kind}"
-                    findings.append(Finding((key,), f"goes with kind: {kind} only", remedy=remedy))
+                    findings.append(Finding((key,), f"is for kind: {kind} only", remedy=remedy))
         if self.kind == "result" and not self.file:
             remedy = "add file: the NetCDF file of an earlier run"
-            findings.append(Finding(("file",), "is missing, a start from a result needs it", remedy=remedy))
+            findings.append(Finding(("file",), "is required for a start from a result", remedy=remedy))
         if self.kind == "mode" and self.amplitude is None:
             remedy = "add amplitude: the largest deflection, for example 10 mm"
-            findings.append(Finding(("amplitude",), "is missing, a start from a mode needs it", remedy=remedy))
+            findings.append(Finding(("amplitude",), "is required for a start from a mode", remedy=remedy))
         if self.direction is not None and not any(self.direction):
             remedy = "write for example [0, 1]"
             findings.append(Finding(("direction",), "has no direction", str(list(self.direction)), remedy))
@@ -97,7 +97,7 @@ class Start(Declaration):
             yield (0.0, 1.0, 0.0)
 
 
-_INSTEAD = {"rest": "", "result": ": the result says where everything is", "mode": ""}
+_INSTEAD = {"rest": "", "result": ": all positions are read from the result", "mode": ""}
 
 
 _MESH_ERROR = Field(
@@ -106,7 +106,7 @@ _MESH_ERROR = Field(
     "of the continuum",
 )
 _OF_AUTO = Field(
-    default=None, description="with elements: auto, wanted accuracy of the positions, against the continuum"
+    default=None, description="with elements: auto, target accuracy of the positions, compared with the continuum"
 )
 
 
@@ -119,34 +119,37 @@ class Dynamic(Declaration):
         "crossing + 2 s: so much later"
     )
     every: PositiveTime | None = Field(default=None, description="interval of output (default: until / 100)")
-    method: Method = Field(default="auto", description="auto reads the spectrum and says what it chose")
+    method: Method = Field(default="auto", description="auto: chosen from the spectrum; the summary names the choice")
     step: PositiveTime | None = Field(default=None, description="largest time step (default: from accuracy)")
     accuracy: PositiveLength | None = Field(
         default=None,
-        description="of ropes, and elsewhere with rkn6 and implicit: wanted accuracy in time of the positions "
-        "(default: 1 mm, and with Verlet's method the largest stable step); with elements: auto, of anything: that "
-        "of the positions against the continuum; with window: auto, of heights under contacts beside the whole line, "
-        "root mean square",
+        description="of ropes, and elsewhere with rkn6 and implicit: target accuracy in time of the positions "
+        "(default: 1 mm, and with Verlet's method the largest stable step); with elements: auto, of "
+        "anything: that of the positions against the continuum; with window: auto, of heights under "
+        "contacts compared with the whole line, root mean square",
     )
     mesh_error: bool = _MESH_ERROR
     start: Start = Field(default=Start(), description="the state at the beginning")
     geometry: Geometry = Field(
         default="nonlinear",
-        description="full, or small motion about rest; of overhead lines, and of straight lines with bending stiffness "
-        "where nothing acts along or across them, that is vertical with constant tensions, droppers still slackening",
+        description="geometrically nonlinear, or linearised about equilibrium; of overhead lines, and of straight "
+        "lines with bending stiffness without longitudinal or lateral forces, the linearised motion is vertical with "
+        "constant tensions; droppers still slacken",
     )
     sample: PositiveTime | None = Field(
         default=None, description="interval at which contact forces on them are recorded (default: 1 ms)"
     )
     window: PositiveLengthOrAuto | None = Field(
         default=None,
-        description="only this far around the contacts do they move, along lines and what is joined to them; with "
-        "linearised geometry, and with all geometry on overhead lines; auto finds out there how far, by accuracy",
+        description="half-width of the moving part around the contacts, along lines and parts joined to them; with "
+        "linearised geometry, on overhead lines also with nonlinear geometry; auto: chosen there for "
+        "accuracy",
     )
     axial_inertia: Factor = Field(
         default=1.0,
-        description="with nonlinear geometry, factor on their mass for motion along lines at rest (of overhead lines "
-        "and lines with bending stiffness: along x), whose waves limit the step: 4 doubles it, at some error",
+        description="with nonlinear geometry, factor on the mass for motion along the lines (of overhead lines and "
+        "lines with bending stiffness: along x), because longitudinal waves limit the step: 4 doubles the "
+        "step, with some error",
     )
 
     @property
@@ -173,7 +176,7 @@ class Dynamic(Declaration):
         elif self.axial_inertia != 1.0 and self.geometry != "nonlinear":
             remedy = "leave it out, or write geometry: nonlinear"
             findings.append(
-                Finding(("axial_inertia",), "goes with nonlinear geometry only", f"{self.axial_inertia:g}", remedy)
+                Finding(("axial_inertia",), "is for nonlinear geometry only", f"{self.axial_inertia:g}", remedy)
             )
         if self.finds_window and self.mesh_error:
             remedy = "write mesh_error: false, or the width of the window"
@@ -196,8 +199,8 @@ class Quasistatic(Declaration):
     )
     turn: TurnAngle | None = Field(
         default=None,
-        description="also keep positions in between, so that no load's path turns by more than this angle from one "
-        "position to the next",
+        description="largest angle by which the path of a load turns between two positions; positions are added "
+        "where it is exceeded",
     )
     accuracy: PositiveLength | None = _OF_AUTO
     mesh_error: bool = _MESH_ERROR
@@ -230,8 +233,8 @@ class Linear(Declaration):
     modes: Annotated[int, Count(1, 100_000)] | None = Field(
         default=None,
         description="terms of the modal series (default: exact for strings, converged for beams; of joined lines, "
-        "nets, overhead lines and lines on inner supports all that the mesh has, or 400, and what is left follows the "
-        "forces at once)",
+        "nets, overhead lines and lines on inner supports all modes of the mesh, or 400; the remaining "
+        "modes follow the forces quasi-statically)",
     )
 
 

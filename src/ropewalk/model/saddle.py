@@ -25,7 +25,7 @@ class Saddle(Declaration):
         default=0.0, description="coefficient: the line slips where T2/T1 exceeds exp(friction * angle)"
     )
     support: Annotated[Fixed | Elastic | Guided | Moving, Variants("support")] = Field(
-        default=Fixed(), description="what holds it; elastic or guided for a tower that gives way"
+        default=Fixed(), description="support of the saddle; elastic or guided for a flexible tower"
     )
 
     @model_validator(mode="after")

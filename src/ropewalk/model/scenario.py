@@ -1,4 +1,4 @@
-"""A scenario: lines, the loads on them, and what is asked."""
+"""A scenario: lines, the loads on them, and the analysis."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Scenario(Declaration):
     gravity: Acceleration = Field(default=9.81, description="acts along -z")
     lines: dict[Name, Line] = Field(default_factory=dict, description="the lines, by name")
     overhead_lines: dict[Name, OverheadLine] = Field(
-        default_factory=dict, description="sections of overhead line, by name; instead of lines or beside them"
+        default_factory=dict, description="sections of overhead line, by name; instead of lines or in addition"
     )
     hangers: dict[Name, Hangers] = Field(
         default_factory=dict, description="rows of hangers between two of the lines, by name"
@@ -47,13 +47,13 @@ class Scenario(Declaration):
     tracks: dict[Name, Track] = Field(
         default_factory=dict, description="rails of the lines on pads, sleepers and ballast, by name"
     )
-    joints: dict[Name, Joint] = Field(default_factory=dict, description="where lines meet, by name")
+    joints: dict[Name, Joint] = Field(default_factory=dict, description="connection points of lines, by name")
     nets: dict[Name, AnyNet] = Field(default_factory=dict, description="nets and membranes, by name")
     wind: Wind | None = Field(default=None, description="moving air")
     loads: dict[Name, Load] = Field(default_factory=dict, description="the loads, by name")
-    outputs: Outputs = Field(default=Outputs(), description="what results tell of lines beyond shapes and forces")
-    run: Run = Field(default=Dynamic(until=1.0), description="what is asked")
-    sweep: Sweep | None = Field(default=None, description="what varies in `ropewalk sweep`")
+    outputs: Outputs = Field(default=Outputs(), description="recorded quantities of lines beyond shapes and forces")
+    run: Run = Field(default=Dynamic(until=1.0), description="the analysis")
+    sweep: Sweep | None = Field(default=None, description="varied values of `ropewalk sweep`")
 
     @cached_property
     def source_text(self) -> str:

@@ -31,20 +31,20 @@ def check_overhead(parts: Parts) -> Iterator[Finding]:
 
 
 def check_small(parts: Parts) -> Iterator[Finding]:
-    """Find lines that are not straight enough, or whose tensions change, in small motion."""
+    """Find lines that are not straight enough, or whose tensions change, in linearised motion."""
     if not isinstance(parts.run, Dynamic) or parts.run.geometry != "linearised" or not parts.has_bending_stiffness:
         return
     for name, line in parts.lines.items():
         for key, wrong, given, remedy in _slack(line) if line is not None else ():
-            yield Finding(("lines", name, *key), f"in small motion {wrong}", given, remedy)
+            yield Finding(("lines", name, *key), f"in linearised motion {wrong}", given, remedy)
 
 
 def _slack(line: Line) -> Iterator[_Lack]:
-    """What small motion about a straight line cannot be about: a line that is slack, or buckles."""
+    """What linearised motion about a straight line cannot be about: a line that is slack, or buckles."""
     supports = [support for _, support in line.ends()]
     if line.distance < SHORTEST:
         remedy = "write run.geometry: nonlinear, or other ends"
-        yield ("end",), "it is about the straight line from start to end, which are one place", "", remedy
+        yield ("end",), "it is about the straight line from start to end, which coincide", "", remedy
         return
     yield from _constant(line)
     if line.length is None or not line.axial_stiffness or not all(isinstance(support, Fixed) for support in supports):
@@ -63,7 +63,7 @@ def _slack(line: Line) -> Iterator[_Lack]:
 
 
 def _constant(line: Line) -> Iterator[_Lack]:
-    """Supports that would change the tension to the first order, which small motion has constant."""
+    """Supports that would change the tension to the first order, which linearised motion has constant."""
     level, constant = abs(line.start[-1] - line.end[-1]) <= _LEVEL * line.distance, "tensions are constant"
     inner = tuple((("supports", name), support) for name, support in line.supports.items())
     for key, support in (*(((key,), support) for key, support in line.ends()), *inner):
@@ -76,7 +76,7 @@ def _constant(line: Line) -> Iterator[_Lack]:
             yield key, wrong, support.kind, "write run.geometry: nonlinear, or kind: fixed"
         history = getattr(support, "displacement", (0.0, 0.0))
         if len({row[0] for row in rows(history)}) > 1:  # callables are looked at when they are tabulated
-            remedy = "write a table whose x does not change, or geometry: nonlinear"
+            remedy = "write a table with constant x, or geometry: nonlinear"
             yield (*key, "displacement"), f"{constant}, and a support that moves along x changes them", "", remedy
     for name, restrained in line.supports.items():
         for own, wrong, given, remedy in _restrained(line, restrained):

@@ -59,7 +59,7 @@ def _sideways(path: tuple[str, ...], restrained: Elastic | Oscillator, why: str)
     for key, letter in (("stiffness", "k"), ("damping", "c")):
         values = getattr(restrained, key)
         if isinstance(values, tuple) and len(values) == 2:
-            wrong = f"{why} leaves the x-z plane, and two values say nothing of the direction y"
+            wrong = f"{why} leaves the x-z plane, and two values do not define the direction y"
             nothing = "" if key == "stiffness" else f" ({letter}y: 0 for none)"
             remedy = f"write [{letter}x, {letter}y, {letter}z]{nothing}, or one value for all directions"
             yield Finding((*path, key), wrong, f"[{values[0]:g}, {values[1]:g}]", remedy)
@@ -72,7 +72,7 @@ def _along_x(
     start, end = spatial(line.start), spatial(line.end)
     if abs(end[1] - start[1]) <= 1e-9 * line.distance:
         return
-    otherwise = f"turn the axes so that {on} runs along x"
+    otherwise = f"turn the axes so that {on} extends along x"
     if isinstance(load.travel, Course) and load.travel.measured == "horizontal":
         wrong = f"horizontal means along x, and the ends of {on} differ in y"
         yield Finding(

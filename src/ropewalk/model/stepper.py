@@ -38,7 +38,7 @@ class _Model:
 
     def write(self, value: Any) -> str:
         if not isinstance(value, str):
-            raise ValueError("an object cannot be written; name what makes it as text, module:name")
+            raise ValueError("an object cannot be written; write its class or function as module:name")
         return value
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
@@ -80,26 +80,27 @@ class Stepper(Declaration):
     kind: Literal["stepper"] = "stepper"
     on: str = Field(description="name of the line")
     model: Annotated[Any, _Model()] = Field(
-        description="what makes it, module:name or file.py:name; from Python also the object itself"
+        description="class or function that returns the model, module:name or file.py:name; from Python also the "
+        "object itself"
     )
     options: Annotated[dict[str, Any], _Options()] = Field(
-        default_factory=dict, description="arguments for making it: numbers, text, truth values, lists and blocks"
+        default_factory=dict, description="its arguments: numbers, text, truth values, lists and blocks"
     )
-    every: PositiveTime = Field(default=1e-3, description="interval at which it is asked")
+    every: PositiveTime = Field(default=1e-3, description="interval of the exchange")
     exchange: Exchange = Field(
-        default=Exchange.as_written(), description="how line and model exchange forces and motions"
+        default=Exchange.as_written(), description="exchange of forces and motions between line and model"
     )
     start: Offset = Field(default=0.0, alias="from", description="unstrained length from the start of the line")
     at_end: AtEnd = Field(
         default="leave",
-        description="a model that comes to an end of the line leaves it, stays there, or is refused",
+        description="at an end of the line a model leaves it, stops there, or is refused",
     )
     path: Way | None = Field(default=None, description=ON_NETS)
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if self.options and not isinstance(self.model, str):
-            wrong, remedy = "an object is made already", "leave options out, or name as text what makes it"
+            wrong, remedy = "an object exists already", "leave options out, or write its class or function as text"
             report("stepper", [Finding(("options",), wrong, ", ".join(self.options)[:60], remedy)])
         return self
 

@@ -26,7 +26,7 @@ class Fixed(Declaration):
     """A point that does not move."""
 
     kind: Literal["fixed"] = "fixed"
-    clamped: bool = Field(default=False, description="the line cannot turn there either; goes with bending_stiffness")
+    clamped: bool = Field(default=False, description="the line cannot rotate there either; requires bending_stiffness")
 
 
 class Elastic(Declaration):
@@ -81,7 +81,7 @@ class Guided(Declaration):
         if not any(self.along):
             findings.append(Finding(("along",), "has no direction", str(list(self.along)), "write for example [1, 0]"))
         if self.winch is not None and not self.force:
-            findings.append(Finding(("force",), "is missing: what tension the winch keeps", remedy="give force"))
+            findings.append(Finding(("force",), "is required: tension that the winch maintains", remedy="give force"))
         if self.winch is not None and self.stiffness:
             wrong, remedy = "a winch has no spring", "leave stiffness out, or winch"
             findings.append(Finding(("stiffness",), wrong, f"{self.stiffness:g} N/m", remedy))

@@ -21,19 +21,19 @@ class Sweep(Declaration):
     """Many runs of this scenario in one command: `ropewalk sweep FILE`. `ropewalk run` takes no notice of it."""
 
     over: dict[str, Any] = Field(
-        description="what varies, by key: a list of values, or text: `100:350:5 km/h` (from, to, step), "
+        description="varied values, by key: a list of values, or text: `100:350:5 km/h` (from, to, step), "
         "`linear(100 km/h, 350 km/h, 11)`, `log(1 N, 1 kN, 4)` (equal factors), `550 kN, 600 kN`; to draw from: "
         "`uniform(LOW, HIGH)`, `loguniform(LOW, HIGH)`, `normal(MEAN, STD)`, `lognormal(MEDIAN, STD of the logarithm)`"
     )
     derived: dict[str, str] = Field(
         default_factory=dict,
-        description="values that follow from others, by key: expressions as `bridge.length / speed + 2 s`",
+        description="dependent values, by key: expressions as `bridge.length / speed + 2 s`",
     )
     combine: Combine = Field(
         default="grid",
         description="each value with each, the first with the first, each while all others stay as written, or "
-        "`count` cases drawn from distributions; morris and saltelli draw `count` groups of cases that tell how much "
-        "each parameter matters",
+        "`count` cases drawn from distributions; morris and saltelli draw `count` groups of cases for "
+        "the sensitivity to each parameter",
     )
     count: Annotated[int, Count(1, 1_000_000)] | None = Field(
         default=None, description="number of cases that are drawn"
@@ -43,7 +43,8 @@ class Sweep(Declaration):
     )
     record: tuple[str, ...] = Field(
         default=("largest_tension", "smallest_tension", "largest_strain", "largest_sag"),
-        description="what is kept of each run: names of its summary, or `max`, `min`, `mean` or `std` of what changes",
+        description="recorded quantities of each run: names of its summary, or `max`, `min`, `mean` or `std` of a "
+        "time series",
     )
 
     @model_validator(mode="after")
@@ -57,13 +58,13 @@ class Sweep(Declaration):
                 findings.append(Finding(("over", key), "are no values", str(values)[:60], remedy))
         drawn = self.combine in DRAWN
         if drawn and self.count is None:
-            findings.append(
-                Finding(("count",), "is missing: how many cases are drawn?", remedy="write for example 100")
-            )
+            findings.append(Finding(("count",), "is required: number of sampled cases", remedy="write for example 100"))
         elif self.count is not None and not drawn:
             remedy = f"leave it out, or write combine: {' | '.join(DRAWN)}"
             findings.append(Finding(("count",), f"does not go with combine: {self.combine}", str(self.count), remedy))
         if not self.record:
-            findings.append(Finding(("record",), "nothing is kept", remedy="name what, for example largest_tension"))
+            findings.append(
+                Finding(("record",), "no quantity is recorded", remedy="name a quantity, for example largest_tension")
+            )
         report("sweep", findings)
         return self

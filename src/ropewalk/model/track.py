@@ -21,7 +21,7 @@ class Pads(Declaration):
     """Rail pads: a spring with a damper between the rail and each sleeper."""
 
     stiffness: PositiveStiffness = Field(default=65e6, description="vertical, of both rails of a sleeper together")
-    damping: Viscosity = Field(default=75e3, description="of the damper beside it")
+    damping: Viscosity = Field(default=75e3, description="of the damper parallel to it")
 
 
 class Sleepers(Declaration):
@@ -38,16 +38,16 @@ class Ballast(Declaration):
     On the ground the mass stands on the subgrade; on a bridge it moves with the bridge.
     """
 
-    mass: Mass = Field(default=531.4, description="that moves with what is below, of each sleeper")
+    mass: Mass = Field(default=531.4, description="vibrating mass below each sleeper")
     stiffness: PositiveStiffness = Field(default=137.75e6, description="vertical, of each sleeper")
-    damping: Viscosity = Field(default=58.8e3, description="of the damper beside it")
+    damping: Viscosity = Field(default=58.8e3, description="of the damper parallel to it")
 
 
 class Subgrade(Declaration):
     """The ground below the ballast of each sleeper: a spring with a damper."""
 
     stiffness: PositiveStiffness = Field(default=77.5e6, description="vertical, of each sleeper")
-    damping: Viscosity = Field(default=31.15e3, description="of the damper beside it")
+    damping: Viscosity = Field(default=31.15e3, description="of the damper parallel to it")
 
 
 class Track(Declaration):
@@ -153,7 +153,7 @@ def _lines(path: tuple[str, ...], track: Track, lines: Mapping[str, Line]) -> It
         elif spatial(line.start)[1] or spatial(line.end)[1]:
             feature, remedy = "a line outside the x-z plane", f"write start and end of lines.{name} as [x, z]"
         elif abs(line.end[0] - line.start[0]) < _SAME * line.distance:
-            feature, remedy = "a line that goes straight up", "name one that goes along x"
+            feature, remedy = "a vertical line", "name a line that extends along x"
         if feature:
             yield missing((*path, *key), "tracks", repr(name), remedy, feature=feature)
 

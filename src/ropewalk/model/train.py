@@ -60,7 +60,7 @@ class TrainVehicle(Declaration):
     length: PositiveLength = Field(description="from where the vehicle before it ends to where the next one begins")
     bodies: dict[Name, RigidBody] = Field(default_factory=dict, description="the sprung bodies, by name")
     wheels: dict[Name, Wheel] = Field(min_length=1, description="the wheels, by name")
-    springs: dict[Name, Spring] = Field(default_factory=dict, description="what joins them, by name")
+    springs: dict[Name, Spring] = Field(default_factory=dict, description="springs between them, by name")
 
     @property
     def behind(self) -> dict[str, str]:
@@ -97,7 +97,9 @@ class Train(Declaration):
     order: Annotated[tuple[str, ...], _Names()] | None = Field(
         default=None, description="names of the vehicles from the front, [locomotive, 8 coach]; default: one of each"
     )
-    travel: TrainTravel = Field(description="how the train advances along the line; it comes to the line and leaves it")
+    travel: TrainTravel = Field(
+        description="motion of the train along the line, on to which it rolls and which it leaves"
+    )
     gravity: Acceleration = Field(default=G, description=WEIGHT)
     lift_off: bool = Field(default=False, description=LIFT_OFF)
 
@@ -116,7 +118,7 @@ class Train(Declaration):
     def _written(self) -> Iterator[Finding]:
         if not self.vehicles:
             remedy = "add vehicles, by name, or train: ICE 3"
-            yield Finding(("vehicles",), "is missing, without train it needs them", remedy=remedy)
+            yield Finding(("vehicles",), "is required without train", remedy=remedy)
             return
         for index, name in enumerate(self.order or ()):
             if name not in self.vehicles:
@@ -128,7 +130,7 @@ class Train(Declaration):
                 path = ("vehicles", one, "springs", spring, "between")
                 if two is None:
                     remedy = f"let another vehicle, with bogies of its own, follow {one}"
-                    yield Finding(path, "the last vehicle has none behind it to stand on", NEXT + end, remedy)
+                    yield Finding(path, "the last vehicle has no vehicle behind it", NEXT + end, remedy)
                 elif end not in self.vehicles[two].bodies:
                     remedy = did_you_mean(end, self.vehicles[two].bodies)
                     yield Finding(path, f"vehicle {two}, which follows {one}, has no such body", NEXT + end, remedy)
@@ -143,7 +145,7 @@ class Train(Declaration):
     def _turns(self) -> Iterator[Finding]:
         speed = self.travel.speed
         if isinstance(speed, SpeedTable) and min(speed.value) < 0.0 < max(speed.value):
-            wrong, remedy = "a train does not turn back", "write two loads, or one sign"
+            wrong, remedy = "the speed of a train must not change its sign", "write two loads, or one sign"
             yield Finding(("travel", "speed"), wrong, "a table", remedy)
 
     @property

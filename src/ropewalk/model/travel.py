@@ -28,9 +28,9 @@ AtEnd = Literal["refuse", "leave", "stay"]
 
 _MARGIN = (
     "distance from a support, along the unstrained line, at which the line ends for the load "
-    "(default: a quarter of a link for what has a mass, none for forces and on nets)"
+    "(default: a quarter of a link for loads with a mass, 0 for forces and on nets)"
 )
-ON_NETS = "on nets: places [u, v] that its straight way leads through, from the first"
+ON_NETS = "on nets: points [u, v] of its path, straight in between"
 
 
 class Place(NamedTuple):
@@ -46,7 +46,7 @@ class Course(Declaration):
 
     kind: Literal["prescribed"] = Field(default="prescribed", json_schema_extra={"optional": True})
     speed: SpeedHistory = Field(description="a constant, or a table {time, value}; negative: towards the start")
-    measured: Measure = Field(default="material", description="what the speed counts")
+    measured: Measure = Field(default="material", description="coordinate to which the speed refers")
 
 
 class Travel(Course):
@@ -55,21 +55,21 @@ class Travel(Course):
     start: Start = Field(
         default=0.0,
         alias="from",
-        description="distance from the start of the line: material length for `material`, "
-        "arc length at rest for `slip` and `arc`, horizontal distance for `horizontal`; negative: before it, from "
-        "where vehicles roll on to a line that they leave at its end; {x: 5 m} or middle: where the line has that x, "
-        "or the middle of its span, in the state in which the run begins",
+        description="distance from the start of the line: material length for `material`, arc length in equilibrium "
+        "for `slip` and `arc`, horizontal distance for `horizontal`; negative: before the line, for "
+        "vehicles that roll on to it and leave it at its end; {x: 5 m} or middle: the point of the line "
+        "at that x, or at midspan, in the initial state",
     )
     at_end: AtEnd = Field(
         default="refuse",
-        description="a load that would pass an end of the line is refused, leaves the line, or stays there",
+        description="at an end of the line a load is refused, leaves the line, or stops there",
     )
     margin: PositiveLength | None = Field(default=None, description=_MARGIN)
     path: Way | None = Field(default=None, description=ON_NETS)
 
 
 class Driver(Declaration):
-    """Somebody who holds a speed as well as a force of limited size allows."""
+    """A controller that holds a speed by a force of limited size."""
 
     speed: SpeedHistory = Field(description="to hold, along the line: a constant, or a table {time, value}")
     force: PositiveForce = Field(description="the most it can push or brake with")
@@ -134,7 +134,7 @@ class FreeTravel(Declaration):
     brake: Brake | None = Field(default=None, description="brake near the end of the line")
     at_end: AtEnd = Field(
         default="stay",
-        description="a load that comes to an end of the line is refused, leaves the line, or is stopped there",
+        description="at an end of the line a load is refused, leaves the line, or is stopped there",
     )
     margin: PositiveLength | None = Field(default=None, description=_MARGIN)
     path: Way | None = Field(default=None, description=ON_NETS)
@@ -142,10 +142,8 @@ class FreeTravel(Declaration):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if self.friction_model != "capstan" and not self.friction:
-            wrong, remedy = (
-                "a model of friction without a coefficient",
-                "add friction, for example 0.3, or leave it out",
-            )
+            wrong = "a model of friction without a coefficient"
+            remedy = "add friction, for example 0.3, or leave it out"
             report("free travel", [Finding(("friction_model",), wrong, self.friction_model, remedy)])
         return self
 

@@ -33,19 +33,19 @@ class Payload(Declaration):
     mass: PositiveMass = Field(description="of the payload")
     length: PositiveLength = Field(description="of its rope, unstrained")
     stiffness: PositiveStiffness | None = Field(
-        default=None, description="of its rope (default: so stiff that the weight stretches it by 1 mm)"
+        default=None, description="of its rope (default: elongation of 1 mm under the weight)"
     )
     damping: Viscosity = Field(default=0.0, description="of its rope, while it pulls")
     hoist: SpeedHistory = Field(
         default=0.0,
         description="speed at which its rope is taken in, in unstrained length, a constant or a table {time, value}; "
-        "negative: let out; its stiffness goes with one over its length",
+        "negative: let out; its stiffness is inversely proportional to its length",
     )
     swing: Angle = Field(default=0.0, description="angle from the vertical at the start, towards +x")
     at: Displacement | None = Field(
-        default=None, description="place at the start relative to the trolley, [x, z] or [x, y, z], instead of swing"
+        default=None, description="position at the start relative to the trolley, [x, z] or [x, y, z], instead of swing"
     )
-    air_drag: AirDrag = Field(default=0.0, description="force air_drag |v| v, v: of the air as it sees it")
+    air_drag: AirDrag = Field(default=0.0, description="force air_drag |v| v, v: relative velocity of the air")
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -70,14 +70,14 @@ class Trolley(Declaration):
 
     kind: Literal["trolley"] = "trolley"
     on: str = Field(description="name of the line")
-    also_on: tuple[Name, ...] = Field(default=(), description="names of further lines that carry it beside that one")
+    also_on: tuple[Name, ...] = Field(default=(), description="names of further lines that also carry it")
     mass: PositiveMass = Field(description="of the trolley without its payload")
-    payload: Payload = Field(description="what hangs from it")
-    travel: AnyTravel = Field(description="how it advances along the line, prescribed or free")
+    payload: Payload = Field(description="payload below it")
+    travel: AnyTravel = Field(description="motion along the line, prescribed or free")
     force: ForceHistory = Field(
         default=(0.0, 0.0), description="further force on the trolley, or a table {time, value}"
     )
-    air_drag: AirDrag = Field(default=0.0, description="force air_drag |v| v, v: of the air as the trolley sees it")
+    air_drag: AirDrag = Field(default=0.0, description="force air_drag |v| v, v: velocity of the air to the trolley")
     lift_off: bool = Field(default=False, description=LIFT_OFF)
     side: Side = Field(default="above", description=SIDE)
 

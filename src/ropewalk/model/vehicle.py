@@ -60,7 +60,7 @@ class _TwoNames:
 
 
 class Spring(Declaration):
-    """A vertical spring with a damper beside it, between two parts of a vehicle."""
+    """A vertical spring with a damper parallel to it, between two parts of a vehicle."""
 
     between: Annotated[tuple[str, str], _TwoNames()] = Field(description="names of a body and a wheel, or two bodies")
     stiffness: PositiveStiffness = Field(description="of the spring")
@@ -71,7 +71,7 @@ class Spring(Declaration):
     )
 
 
-WEIGHT = "acts on it, also where that of the scenario is 0 and the line is level under its own weight"
+WEIGHT = "gravity on the load, also if that of the scenario is 0"
 
 
 class Vehicle(Declaration):
@@ -86,9 +86,9 @@ class Vehicle(Declaration):
     on: str = Field(description="name of the line")
     bodies: dict[Name, RigidBody] = Field(default_factory=dict, description="the sprung bodies, by name")
     wheels: dict[Name, Wheel] = Field(min_length=1, description="the wheels, by name")
-    springs: dict[Name, Spring] = Field(default_factory=dict, description="what joins them, by name")
-    travel: Annotated[Travel, prescribed_only("a vehicle travels as prescribed")] = Field(
-        description="how its point 0 advances; wheels with a positive `at` run ahead of it towards the end of the line"
+    springs: dict[Name, Spring] = Field(default_factory=dict, description="springs between them, by name")
+    travel: Annotated[Travel, prescribed_only("the travel of a vehicle is prescribed")] = Field(
+        description="motion of its point 0; wheels with a positive `at` run ahead of it towards the end of the line"
     )
     gravity: Acceleration | None = Field(default=None, description=f"{WEIGHT} (default: that of the scenario)")
     lift_off: bool = Field(default=False, description=LIFT_OFF)
@@ -157,10 +157,10 @@ def _names(
         if unknown:
             continue
         if spring.between[0] == spring.between[1]:
-            wrong, remedy = "a spring joins two different things", "name a body and a wheel, or two bodies"
+            wrong, remedy = "a spring must join two different parts", "name a body and a wheel, or two bodies"
             yield Finding(("springs", name, "between"), wrong, f"{spring.between[0]} twice", remedy)
         elif all(end not in bodies for end in spring.between):
-            wrong, remedy = "a spring between two wheels bears nothing", "name a body and a wheel, or two bodies"
+            wrong, remedy = "a spring between two wheels carries no load", "name a body and a wheel, or two bodies"
             yield Finding(("springs", name, "between"), wrong, " and ".join(spring.between), remedy)
 
 
@@ -173,7 +173,7 @@ def _wheels(wheels: Mapping[str, Wheel], springs: Mapping[str, Spring], lift_off
         yield from soft_contact(("wheels", name, "contact_stiffness"), wheel.contact_stiffness, lift_off=lift_off)
     for (one, first), (two, second) in combinations(wheels.items(), 2):
         if _same(first.at, second.at):
-            remedy = "let it stand elsewhere (at), or make one wheel of the two"
+            remedy = "write another position (at), or combine both wheels"
             yield Finding(("wheels", two, "at"), f"at the same place as wheel {one}", f"{second.at:g} m", remedy)
 
 
@@ -187,17 +187,17 @@ def _bodies(
     for name, body in bodies.items():
         places = [place_of(spring, bodies, wheels) for spring in springs.values() if name in spring.between]
         if not places:
-            yield Finding(("bodies", name), "a body without springs falls", remedy="name it in a spring")
+            yield Finding(("bodies", name), "the body has no springs and would fall", remedy="name it in a spring")
         elif name not in carried:
             remedy = "join it, or a body that carries it, to a wheel"
-            yield Finding(("bodies", name), "no spring leads from it to a wheel", remedy=remedy)
+            yield Finding(("bodies", name), "it is not connected to a wheel by springs", remedy=remedy)
         elif body.inertia and all(_same(place, places[0]) for place in places):
-            wrong = "nothing keeps the body from pitching: its springs stand at one place"
-            remedy = "let springs stand at two places (at), or leave inertia out"
+            wrong = "the body has no pitch stiffness: all its springs are at one position"
+            remedy = "place springs at two positions (at), or leave inertia out"
             yield Finding(("bodies", name, "inertia"), wrong, f"{body.inertia:g} kg*m^2", remedy)
         elif not body.inertia and not all(_same(place, body.at) for place in places):
-            wrong = "springs stand off its centre, and it has no inertia to pitch with"
-            remedy = f"give it an inertia, or let its springs stand at {body.at:g} m"
+            wrong = "its springs are off its centre, and it has no moment of inertia"
+            remedy = f"give it an inertia, or place its springs at {body.at:g} m"
             yield Finding(("bodies", name, "inertia"), wrong, remedy=remedy)
 
 

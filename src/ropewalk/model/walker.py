@@ -46,9 +46,9 @@ class Walker(Declaration):
     )
     speed: PositiveSpeed = Field(default=1.1, description="of the body at the start, forwards")
     foot_mass: Mass = Field(default=0.0, description="of a foot that stands, carried by the line")
-    push_off: Share = Field(default=1.0, description="how strongly lost energy is replaced: 0 not at all, 1 in full")
+    push_off: Share = Field(default=1.0, description="fraction of lost energy that is replaced: 0 none, 1 all")
     balance: Balance | None = Field(
-        default=None, description="how the feet are placed to the side (default: all of them on the line itself)"
+        default=None, description="lateral foot placement (default: all feet on the line itself)"
     )
     first_foot: FirstFoot = Field(default="left", description="the foot that stands at the beginning: left or right")
     start: StartOffset = Field(
@@ -59,7 +59,7 @@ class Walker(Declaration):
     towards: Literal["end", "start"] = Field(default="end", description="end of the line towards which it walks")
     at_end: AtEnd = Field(
         default="leave",
-        description="a walker who comes to an end of the line leaves it, stays there, or is refused",
+        description="at an end of the line a walker leaves it, stops there, or is refused",
     )
     path: Way | None = Field(default=None, description=ON_NETS)
 

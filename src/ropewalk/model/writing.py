@@ -90,7 +90,7 @@ def _unwritable(block: Declaration) -> Iterator[tuple[tuple[str, ...], str, str]
         if isinstance(value, Declaration):
             yield from (((key, *inner), wrong, remedy) for inner, wrong, remedy in _unwritable(value))
         elif isinstance(block, Stepper) and key == "model" and not isinstance(value, str):
-            yield (key,), "an object cannot be written", "name what makes it as text, module:name or file.py:name"
+            yield (key,), "an object cannot be written", "write its class or function as module:name or file.py:name"
         elif callable(value):
             yield (key,), "a callable cannot be written", "give a table {time, value}"
 

@@ -178,7 +178,7 @@ def _shape(
     system = sparse.bmat([[K[free][:, free], -C[:, free].T], [C[:, free], sparse.diags(places.local)]], format="csc")
     found = scipy.sparse.linalg.spsolve(system, np.concatenate([(load - K @ chord)[free], heights - C @ chord]))
     if not np.isfinite(found).all():
-        raise EquilibriumError(f"the wires of {task.plan.wires[0].name} have no rest shape; check the stitch wires")
+        raise EquilibriumError(f"the wires of {task.plan.wires[0].name} have no equilibrium; check the stitch wires")
     z, count = chord.copy(), int(free.sum())
     z[free] += found[:count]
     return z, found[count:]
@@ -262,9 +262,10 @@ def _check(task: FormFindingTask, pull: Array, upright: Array) -> None:
     if pushed.size:
         worst = task.hangers[_first_of_the_least(pull)].name
         raise EquilibriumError(
-            f"dropper {worst} would have to push with {-pull.min():.4g} N at rest ({pushed.size} of {pull.size}): "
-            "the contact wire is wanted lower than it hangs by itself; give less pre_sag, a smoother one, or leave "
-            "droppers out"
+            f"dropper {worst} would have to push with {-pull.min():.4g} N in equilibrium ({pushed.size} of "
+            f"{pull.size}): "
+            "pre_sag is larger than the sag of the wire without this dropper; write less pre_sag, a smoother one, or "
+            "leave droppers out"
         )
 
 

@@ -41,7 +41,7 @@ def read_irregularity(file: Path, key: str = "irregularity") -> Irregularity:
         text = file.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         why = error.strerror if isinstance(error, OSError) and error.strerror else "it is not text in UTF-8"
-        problem = Problem(key, "the file cannot be read", f"{file} ({why})", "name a text file beside the scenario")
+        problem = Problem(key, "the file cannot be read", f"{file} ({why})", "name a text file next to the scenario")
         raise ScenarioError([problem]) from None
     rows: list[tuple[float, float]] = []
     problems: list[Problem] = []

@@ -35,7 +35,7 @@ _QUANTITIES = {  # name of the statistic: what it is, its unit and its scale her
 
 @dataclass(frozen=True)
 class Check:
-    """A quantity beside the range that it should lie in."""
+    """A quantity and the range in which it should lie."""
 
     quantity: str  # name of the statistic
     what: str
@@ -53,7 +53,7 @@ class Check:
 
 @dataclass(frozen=True)
 class Acceptance:
-    """Quantities of a reference model, beside their ranges."""
+    """Quantities of a reference model and their ranges."""
 
     title: str
     remark: str
@@ -93,14 +93,13 @@ SIMPLE_AC: dict[int, _Ranges] = {
 """Benchmark of Bruni et al. (2015), taken up by EN 50318:2018, by speed in km/h (R: provisional)."""
 
 _NOTES = {
-    "F": "ranges [F]: as public secondary sources quote them; the standard itself was not at hand, this is no "
-    "certification",
-    "R": "ranges [R]: provisional, recalled and not checked against the standard; this is no certification",
+    "F": "ranges [F]: from public secondary sources, not from the standard; not a certification",
+    "R": "ranges [R]: provisional, not verified against the standard; not a certification",
 }
 
 
 def against_en50318_2002(statistics: ContactStatistics, speed: float) -> Acceptance:
-    """Set the eight quantities of the reference model of EN 50318:2002 beside their ranges.
+    """Compare the eight quantities of the reference model of EN 50318:2002 with their ranges.
 
     Args:
         statistics: of a run of that model.
@@ -113,7 +112,7 @@ def against_en50318_2002(statistics: ContactStatistics, speed: float) -> Accepta
 
 
 def against_simple_ac(statistics: ContactStatistics, speed: float) -> Acceptance:
-    """Set quantities of the "simple AC" benchmark beside their provisional ranges, at 275 or 320 km/h.
+    """Compare quantities of the "simple AC" benchmark with their provisional ranges, at 275 or 320 km/h.
 
     Raises:
         ValueError: there are none for this speed.

@@ -143,7 +143,7 @@ def rows_after_start(found: Summary, rows: Callable[[Summary], Iterable[Row]]) -
     if later is None:
         return
     end = f"t = {number(later['from']['value'], 3)} s"
-    cause = f"{', '.join(later['loads'])} starts out of equilibrium; its waves return from the supports until then"
+    cause = f"{', '.join(later['loads'])} starts out of equilibrium; its waves return from the supports until this time"
     if later.keys() == {"from", "loads"}:
         yield "Start-up transient", "", ""
         yield "ends at", end, f"after the run, so all values include it; {cause}"

@@ -28,7 +28,7 @@ class AxialRestraintWatch:
 
     Args:
         layout: of the frames.
-        scenario: what is run.
+        scenario: the scenario.
     """
 
     def __init__(self, layout: Layout, scenario: Scenario) -> None:
@@ -61,8 +61,9 @@ class AxialRestraintWatch:
                 continue
             yield (
                 f"beam {name} is held along its axis by {', '.join(key for key, _ in holders)}: as it deflects, an "
-                f"axial force of up to {pull:.4g} N arises ({when} {path:.4g} {unit}) and bears {100.0 * share:.3g} % "
-                f"of what its bending stiffness does; {_remedy(self._scenario.lines[name], holders)}"
+                f"axial force of up to {pull:.4g} N arises ({when} {path:.4g} {unit}) and carries "
+                f"{100.0 * share:.3g} % "
+                f"of the load that its bending stiffness carries; {_remedy(self._scenario.lines[name], holders)}"
             )
 
 
@@ -109,10 +110,8 @@ def _holders(scenario: Scenario, name: str) -> Iterator[tuple[str, bool]]:
 def _remedy(line: Line, holders: list[tuple[str, bool]]) -> str:
     free = [key for key, slides in holders if slides]
     if not free:
-        return (
-            "where ends may slide, leave clamped out at one of them, or leave the force out with geometry: linearised"
-        )
+        return "if an end can slide, leave clamped out there, or exclude the force by geometry: linearised"
     along = ", ".join(f"{b - a:.6g}" for a, b in zip(line.start, line.end, strict=True))
     rails = " and of ".join(free[1 - len(holders) :] if len(free) == len(holders) else free)
-    kept = ", whose at stays" if "supports." in rails else ""
-    return f"where they may slide, write {{kind: guided, along: [{along}]}} instead of {rails}{kept}"
+    kept = ", without a change of at" if "supports." in rails else ""
+    return f"if they can slide, write {{kind: guided, along: [{along}]}} instead of {rails}{kept}"

@@ -35,7 +35,7 @@ class _Marks(MaxNLocator):
 
 
 class _Numbers(Formatter):
-    """The numbers beside them, as many decimals as tell them apart."""
+    """The numbers next to them, as many decimals as tell them apart."""
 
     def __init__(self, size: float) -> None:
         self.size, self._decimals = size, 0

@@ -39,7 +39,7 @@ class CutShortError(DamagedError):
 
     def __init__(self, whole: int, frames: int) -> None:
         self.whole = whole
-        super().__init__(f"is cut short: {whole} of its {frames} frames are there")
+        super().__init__(f"is truncated: it contains {whole} of its {frames} frames")
 
 
 class Head(NamedTuple):
@@ -75,7 +75,7 @@ class _HeaderReader:
     def padded(self, size: int) -> bytes:
         """Some bytes, which are followed by as many as make a multiple of four of them."""
         if size > self.end - self.at:
-            raise DamagedError("ends within its header, or that is spoilt: something in it is larger than the file")
+            raise DamagedError("ends within its header, or the header is damaged: an entry is larger than the file")
         found = self._take(size)
         self._take(-size % 4)
         return found
@@ -84,7 +84,7 @@ class _HeaderReader:
         """Number of entries of the list that begins here."""
         found, count = self.number(), self.number()
         if (found != tag and (found or count)) or count > _MOST:
-            raise DamagedError("has a spoilt header: a list in it is none")
+            raise DamagedError("has a damaged header: a list has a wrong tag")
         return count
 
     def name(self) -> str:
@@ -95,7 +95,7 @@ class _HeaderReader:
         for _ in range(self.count(_ATTRIBUTE)):
             name, kind, count = self.name(), self.number(), self.number()
             if kind not in _BYTES:
-                raise DamagedError(f"has a spoilt header: attribute {name!r} is of no known type")
+                raise DamagedError(f"has a damaged header: attribute {name!r} is of no known type")
             places[name] = self.at
             found[name] = self.padded(count * _BYTES[kind])
         return found, places
@@ -114,11 +114,11 @@ def _head(reader: _HeaderReader) -> Head:
         for _ in range(reader.number()):
             dimensions.append(reader.number())
             if dimensions[-1] >= len(lengths):
-                raise DamagedError(f"has a spoilt header: variable {name!r} has a dimension that there is not")
+                raise DamagedError(f"has a damaged header: variable {name!r} has an undefined dimension")
         reader.attributes()
         kind, metadata, first = reader.number(), reader.number(), reader.number(8)
         if kind not in _BYTES:
-            raise DamagedError(f"has a spoilt header: variable {name!r} is of no known type")
+            raise DamagedError(f"has a damaged header: variable {name!r} is of no known type")
         if dimensions and lengths[dimensions[0]] == 0:
             begins.append(first)
             size += metadata
@@ -129,7 +129,7 @@ def _head(reader: _HeaderReader) -> Head:
         raise DamagedError("ends before its first frame")
     begin = min(begins, default=reader.end)
     if begin < before:
-        raise DamagedError("has a spoilt header: its frames begin within what stands before them")
+        raise DamagedError("has a damaged header: its frames overlap the header")
     return Head(frames, begin, size, attributes, places)
 
 
@@ -198,11 +198,11 @@ def check_whole(path: Path, *, read: bool = True) -> None:
         raise CutShortError(whole, head.frames)
     metadata = head.attributes.get(HEAD, b"").decode("ascii", "replace")
     if len(metadata) == len(NONE) and metadata != NONE and f"{_head_crc(path, head):08x}" != metadata:
-        raise DamagedError("is damaged: the checksum of what stands before its frames is wrong")
+        raise DamagedError("is damaged: the checksum of its header is wrong")
     if not read or CHECKED not in head.attributes or FRAMES not in head.attributes:
         return
     checked = int.from_bytes(head.attributes[CHECKED], "big")
     if checked > head.frames:
-        raise DamagedError(f"is damaged: it has {head.frames} frames, and had {checked} of them")
+        raise DamagedError(f"is damaged: it has {head.frames} frames, but was written with {checked}")
     if f"{frames_crc(path, checked):08x}".encode() != head.attributes[FRAMES]:
         raise DamagedError("is damaged: the checksum of its frames is wrong")

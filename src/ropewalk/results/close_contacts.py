@@ -33,7 +33,7 @@ class CloseContactsWatch:
 
     Args:
         layout: of the frames.
-        scenario: what is run.
+        scenario: the scenario.
     """
 
     def __init__(self, layout: Layout, scenario: Scenario) -> None:
@@ -80,13 +80,13 @@ class CloseContactsWatch:
         """Yield a doubt for each inextensible line, whose tension depends on these bends alone."""
         for name, (what, remedy) in self._found(run_info):
             if self._scenario.lines[name].law.kind == "inextensible":
-                yield Doubt(what, "each of them bends the line by itself alone", f"lines.{name}.elements", remedy)
+                yield Doubt(what, "each of them bends the line independently", f"lines.{name}.elements", remedy)
 
     def messages(self, run_info: RunInfo) -> Iterator[str]:
         """Yield a warning for each other line."""
         for name, (what, remedy) in self._found(run_info):
             if self._scenario.lines[name].law.kind != "inextensible":
-                yield f"{what}: each of them bends the line by itself alone, which makes it too stiff; {remedy}"
+                yield f"{what}: each of them bends the line independently, which makes it too stiff; {remedy}"
 
     def _found(self, run_info: RunInfo) -> Iterator[tuple[str, tuple[str, str]]]:
         """Yield lines, and for each what is wrong and the remedy."""

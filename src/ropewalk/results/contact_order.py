@@ -25,7 +25,7 @@ class ContactOrderWatch:
 
     Args:
         layout: of the frames.
-        scenario: what is run.
+        scenario: the scenario.
     """
 
     def __init__(self, layout: Layout, scenario: Scenario) -> None:
@@ -78,10 +78,10 @@ class ContactOrderWatch:
             when, on = f"between t = {begin:.4g} and {end:.4g} s", self._scenario.loads[two].on
             earlier = f"end the run before t = {begin:.4g} s"
             if one == two:
-                what, cause = f"wheels of load {two} come closer {when}", f"each wheel stops alone at the end of {on}"
+                what, cause = f"distance of wheels of load {two} decreases {when}", f"wheels stop at the end of {on}"
                 yield Doubt(what, cause, f"loads.{two}.travel.at_end", f"write at_end: leave, or {earlier}")
             else:
-                what, cause = f"loads {one} and {two} pass each other {when}", f"what has a mass cannot pass along {on}"
+                what, cause = f"loads {one} and {two} pass each other {when}", f"masses cannot pass along {on}"
                 kinds = {
                     getattr(getattr(self._scenario.loads[name], "travel", None), "kind", "") for name in (one, two)
                 }

@@ -65,7 +65,7 @@ def contact_summary(dataset: xr.Dataset) -> Summary:
 def limits_of(
     dataset: xr.Dataset, scenario: Scenario | None, every: dict[str, ContactStatistics]
 ) -> dict[str, Judgement]:
-    """Set pantographs beside the limits of their lines, by name; only where a line has limits.
+    """Compare pantographs with the limits of their lines, by name; only where a line has limits.
 
     Args:
         dataset: a result.

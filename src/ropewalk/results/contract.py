@@ -60,16 +60,16 @@ VARIABLES: Mapping[str, ResultVariable] = {
     "tension": ResultVariable(("link",), "N", "tension in the link"),
     "strain": ResultVariable(("link",), "1", "strain of the link"),
     "contact_position": ResultVariable(("contact", "axis"), "m", "position of the contact"),
-    "contact_force": ResultVariable(("contact", "axis"), "N", "force on the line at the contact, hold force included"),
+    "contact_force": ResultVariable(("contact", "axis"), "N", "force on the line at the contact, with driving force"),
     "hold_force": ResultVariable(
-        ("contact", "axis"), "N", "force along the path that keeps the prescribed travel going"
+        ("contact", "axis"), "N", "driving force along the path that the prescribed travel requires"
     ),
     "contact_xi": ResultVariable(("contact",), "m", "material coordinate of the contact"),
     "contact_speed": ResultVariable(("contact",), "m/s", "speed of the load as measured"),
     "contact_tension": ResultVariable(("contact", "side"), "N", "tension behind and ahead of the load"),
-    "contact_friction": ResultVariable(("contact",), "1", "friction coefficient that the contact needs at least"),
+    "contact_friction": ResultVariable(("contact",), "1", "smallest friction coefficient that prevents sliding"),
     "contact_state": ResultVariable(
-        ("contact",), "1", "0: off the line, 1: in the air, 2: at rest along the line, 3: moves along it"
+        ("contact",), "1", "0: off the line, 1: in the air, 2: sticks to the line, 3: slides or rolls along it"
     ),
     "contact_in_air": ResultVariable(("contact",), "s", "time that the load has been in the air so far"),
     "friction_power": ResultVariable(("contact",), "W", "power lost to friction along the line"),
@@ -79,7 +79,7 @@ VARIABLES: Mapping[str, ResultVariable] = {
     "energy": ResultVariable(("form",), "J", "energy of each form in the audit"),
     "tie_force": ResultVariable(("tie",), "N", "tension in the tie"),
     "sampled_station": ResultVariable(
-        ("sample", "contact"), "m", "place of the contact along the line, between outputs"
+        ("sample", "contact"), "m", "position of the contact along the line, between outputs"
     ),
     "sampled_force": ResultVariable(
         ("sample", "contact"), "N", "force upwards on the line at the contact, between outputs"
@@ -87,7 +87,7 @@ VARIABLES: Mapping[str, ResultVariable] = {
     "sampled_height": ResultVariable(("sample", "contact"), "m", "height of the contact, between outputs"),
     "sampled_tie_force": ResultVariable(("sample", "tie"), "N", "tension in the tie, between outputs"),
     "sampled_uplift": ResultVariable(
-        ("sample", "watched"), "m", "height over rest of the watched point, between outputs"
+        ("sample", "watched"), "m", "height of the watched point above equilibrium, between outputs"
     ),
     "haul_tension": ResultVariable(
         ("hauled", "rope_end"), "N", "tension in the ropes that haul the carriage, at the end of the rope"
@@ -102,18 +102,18 @@ VARIABLES: Mapping[str, ResultVariable] = {
         "tension per width: of a membrane the larger and the smaller one, of a net along u, v",
     ),
     "contact_change": ResultVariable(
-        ("compared", "axis"), "m", "what the contact has moved by since the mesh with half the elements"
+        ("compared", "axis"), "m", "change of the contact position from the mesh with half the elements"
     ),
-    "exchange_work": ResultVariable(("foreign",), "J", "energy that has gone to and fro through the interface so far"),
-    "exchange_residual": ResultVariable(("foreign",), "J", "energy that the exchange with the model has made so far"),
+    "exchange_work": ResultVariable(("foreign",), "J", "sum of energies exchanged through the interface so far"),
+    "exchange_residual": ResultVariable(("foreign",), "J", "energy error of the exchange with the model so far"),
     "exchange_peak": ResultVariable(
-        ("foreign",), "J", "the most of it in one interval of exchange since the last output"
+        ("foreign",), "J", "largest energy error in one interval of exchange since the last output"
     ),
 }
 
 PATHS: Mapping[str, ResultVariable] = {
     "time": ResultVariable((), "s", "time"),
-    "load_path": ResultVariable((), "m", "distance covered by the fastest load that is still on its way"),
+    "load_path": ResultVariable((), "m", "distance covered by the fastest load that still moves"),
 }
 
 COORDINATES: Mapping[str, ResultVariable] = {
@@ -123,18 +123,18 @@ COORDINATES: Mapping[str, ResultVariable] = {
     "link_line": ResultVariable(("link",), "1", "line of the link"),
     "link_xi": ResultVariable(("link",), "m", "material coordinate of the middle of the link (unstrained arc length)"),
     "load": ResultVariable(("contact",), "1", "load of the contact"),
-    "body": ResultVariable(("body",), "1", "body of a load, beside its contacts"),
+    "body": ResultVariable(("body",), "1", "body of a load other than its contacts"),
     "side": ResultVariable(("side",), "1", "side of the load: behind is towards the start of the line"),
     "support": ResultVariable(("support",), "1", "support of a line"),
     "form": ResultVariable(("form",), "1", "form of energy"),
     "tie": ResultVariable(("tie",), "1", "tie between lines, such as a dropper"),
-    "tie_station": ResultVariable(("tie",), "m", "place of the tie along its line"),
-    "watched": ResultVariable(("watched",), "1", "point of a line whose height is sampled"),
-    "watched_station": ResultVariable(("watched",), "m", "place of the watched point along its line"),
+    "tie_station": ResultVariable(("tie",), "m", "position of the tie along its line"),
+    "watched": ResultVariable(("watched",), "1", "point of a line with sampled height"),
+    "watched_station": ResultVariable(("watched",), "m", "position of the watched point along its line"),
     "sample": ResultVariable(("sample",), "s", "time of the sample after the output instant (negative: before it)"),
     "foreign": ResultVariable(("foreign",), "1", "load that is an external model"),
     "compared": ResultVariable(("compared",), "1", "load of the contact that is compared with that on a coarser mesh"),
-    "hauled": ResultVariable(("hauled",), "1", "carriage that a rope hauls"),
+    "hauled": ResultVariable(("hauled",), "1", "carriage on a hauling rope"),
     "rope_end": ResultVariable(
         ("rope_end",), "1", "end of a rope: at the carriage, at the drive, of the counter rope, beyond the drive"
     ),

@@ -85,11 +85,11 @@ class DisplayUnits:
         return self.steps.get(PLACE, (DisplayUnit("m", 1.0),))[0]
 
     def of(self, unit: str, values: Iterable[Any]) -> DisplayUnit:
-        """The unit for numbers that stand beside each other, of which the largest one decides.
+        """The unit for numbers that stand next to each other, of which the largest one decides.
 
         Args:
             unit: SI unit of the numbers; `strain` for strains.
-            values: numbers or arrays; what is not finite does not count.
+            values: numbers or arrays; values that are not finite do not count.
         """
         if unit not in self.steps:
             return DisplayUnit("" if unit in ("1", "strain") else unit, 1.0)
@@ -206,7 +206,7 @@ def _quantity_of(text: str) -> str:
     if text in _WITHOUT_DIMENSION:
         return _WITHOUT_DIMENSION[text]
     alike = [si for si in ENGINEERING if si not in _WITHOUT_DIMENSION.values() and measure(si)[1] == dimension]
-    if alike:  # a moment and an energy have one dimension, and are told apart by how they are written
+    if alike:  # a moment and an energy have one dimension, and are distinguished by how they are written
         return next((si for si in alike if ("*" in si) == ("*" in text)), alike[0])
     known = sorted({step.symbol for unit_steps in ENGINEERING.values() for step in unit_steps})
     raise Refused(

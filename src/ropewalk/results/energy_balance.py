@@ -41,7 +41,7 @@ class EnergyWatch:
 
     Args:
         layout: of the frames.
-        scenario: what is run.
+        scenario: the scenario.
         attachments: bodies that cross attachments.
     """
 

@@ -36,14 +36,14 @@ def exchanging(cosimulation: Sequence[CosimulationMaster], run_info: RunInfo) ->
         finally:
             for partner in cosimulation:
                 if partner.made > MADE:
-                    cause = "its answers come too late for how fast the line moves there, or they jump"
+                    cause = "its response is delayed by too much of a vibration period of the line, or is discontinuous"
                     run_info.doubt(partner.verdict, cause, f"loads.{partner.name}.every", REMEDY)
                 elif partner.made:
                     run_info.warnings.append(f"{partner.verdict}; {REMEDY}")
 
 
 def exchanged(cosimulation: Sequence[CosimulationMaster], run_info: RunInfo) -> dict[str, Array]:
-    """What has gone through all interfaces, by the names of `Frame`; what is to be remarked goes to the account."""
+    """What has gone through all interfaces, by the names of `Frame`; what is to be reported goes to the account."""
     if not cosimulation:
         return {}
     for partner in cosimulation:

@@ -34,7 +34,7 @@ def extrapolated(dataset: xr.Dataset) -> xr.DataArray:
     alike, order = float(metadata["mesh_alike_of_contacts"]), float(metadata["mesh_order_of_contacts"])
     if not alike >= ALIKE:
         raise ResultError(
-            f"the changes of the contacts from mesh to mesh are not alike (cosine {alike:.2g}, {ALIKE} is needed): "
+            f"the changes of the contacts from mesh to mesh differ (cosine {alike:.2g}, {ALIKE} is needed): "
             "extrapolation would not be nearer; write more elements"
         )
     change = dataset["contact_change"].values / (2.0**order - 1.0)

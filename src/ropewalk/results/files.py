@@ -62,7 +62,7 @@ def open_result(path: str | Path, *, lazy: bool | None = None) -> xr.Dataset:
         raise ResultError(f"{path}: {_why_unreadable(path, problem)}") from problem
     if dataset.attrs.get("Conventions") != CONVENTIONS:
         dataset.close()
-        raise ResultError(f"{path}: no result of ropewalk (attribute Conventions is not {CONVENTIONS})")
+        raise ResultError(f"{path}: not a result of ropewalk (attribute Conventions is not {CONVENTIONS})")
     dataset = _tidy(dataset)
     if lazy is None:
         lazy = dataset.nbytes >= LOAD_BELOW
@@ -73,7 +73,7 @@ def open_result(path: str | Path, *, lazy: bool | None = None) -> xr.Dataset:
 
 
 def beside(path: Path, what: str) -> Path:
-    """A hidden file beside another one."""
+    """A hidden file next to another one."""
     return path.with_name(f".{path.name}.{what}")
 
 
@@ -98,9 +98,9 @@ def check_result(path: Path, *, lazy: bool | None = None) -> None:
     try:
         _check_running(path, read=not (path.stat().st_size >= LOAD_BELOW if lazy is None else lazy))
     except DamagedError as problem:
-        remedy = "get it once more from where it is from, or run it again"
+        remedy = "copy it again from its source, or repeat the run"
         if isinstance(problem, CutShortError):
-            remedy += "; `ropewalk resume` goes on from its last checkpoint"
+            remedy += "; `ropewalk resume` continues from its last checkpoint"
         raise ResultError(f"{path}: {problem}; {remedy}") from problem
     except OSError as problem:
         raise ResultError(f"{path}: {_why_unreadable(path, problem)}") from problem

@@ -64,6 +64,6 @@ class GroundWatch:
             if height < 0.0:
                 at = f"t = {when:.4g} s" if self._path == "time" else f"load path = {when:.4g} m"
                 yield (
-                    f"{name} comes {-height:.3g} m below the ground of outputs.ground, at x = {x:.4g} m, {at}: the "
-                    "ground does not stop it; raise supports or tension, or correct outputs.ground"
+                    f"{name} comes {-height:.3g} m below the ground of outputs.ground, at x = {x:.4g} m, {at}: contact "
+                    "with the ground is not computed; raise the supports or the tension, or correct outputs.ground"
                 )

@@ -33,7 +33,7 @@ _SLOW, _MEDIUM, _FAST = 160.0 * _ABOUT, 200.0 * _ABOUT, 250.0 / _ABOUT  # km/h
 
 @dataclass(frozen=True)
 class LimitCheck(Check):
-    """A quantity beside its limits, of which the lower one may be -inf, and what comes of it."""
+    """A quantity and its limits, of which the lower one may be -inf, and what comes of it."""
 
     verdict: str  # pass, FAIL, no verdict
     why: str  # there is no verdict, or what the limit is
@@ -41,7 +41,7 @@ class LimitCheck(Check):
 
 @dataclass(frozen=True)
 class Judgement:
-    """A pantograph below an overhead line beside the limits of its system."""
+    """A pantograph below an overhead line and the limits of its system."""
 
     title: str
     remark: str
@@ -89,7 +89,7 @@ def arcing_share(system: System, speed: float) -> float:
 
 
 def judged(limits: Limits, found: ContactStatistics, *, steady: bool, doubtful: bool) -> Judgement:
-    """Set what a pantograph does beside the limits.
+    """Compare a pantograph with the limits.
 
     There is no verdict on a run that is doubtful or does not go through all of the analysed spans, nor on forces whose
     samples do not hold 20 Hz, nor on limits of one speed where it varies.
@@ -98,10 +98,10 @@ def judged(limits: Limits, found: ContactStatistics, *, steady: bool, doubtful: 
         limits: as declared.
         found: statistics within the analysed spans.
         steady: whether its speed is constant.
-        doubtful: whether the run must not be trusted.
+        doubtful: whether the results of the run are unreliable.
     """
-    general = "the run must not be trusted" if doubtful else ""
-    general = general or ("" if found.complete else "the analysed spans were not passed from end to end")
+    general = "the results of the run are unreliable" if doubtful else ""
+    general = general or ("" if found.complete else "the pantograph did not pass all analysed spans")
     coarse = "" if found.fastest >= CUTOFF else f"samples are too far apart for {CUTOFF:g} Hz"
     varies = "" if steady else "the speed varies"
     low, high = mean_range(limits.system, found.speed)
@@ -135,4 +135,4 @@ def judged(limits: Limits, found: ContactStatistics, *, steady: bool, doubtful: 
     return Judgement(f"Limits of EN 50367 and EN 50119, {name}", _REMARK, tuple(checks))
 
 
-_REMARK = "limits [R] were recalled and not checked against the standards; this is no certification"
+_REMARK = "limits [R] are not verified against the standards; not a certification"

@@ -171,7 +171,7 @@ class LineResponse:
     def _corners(self) -> tuple[Array, Array]:
         """(frame, node) N m, what differences miss of moments whose slopes jump by point forces, and these kinks.
 
-        Beside a force F at a distance of u links a moment goes as -(F h / 2) |u|. The second difference of exact
+        Next to a force F at a distance of u links a moment goes as -(F h / 2) |u|. The second difference of exact
         deflections is its mean with a hat, less by (F h / 6) (1 - |u|)^3 for |u| < 1. On a mesh it is what nodes bear,
         which share F as the sharpened spline of `docs/notes/wires.md` tells: less by as much, but for (F h / 6) B(u)
         with the cubic B-spline B. Where bending is that of a spline, nodes share F in another way, see `_lacking`;

@@ -35,7 +35,7 @@ def mode_names(modes: Modes) -> list[str]:
 
     The direction holds at least two thirds of the squared displacement of all nodes: `axial` is along the lines,
     `lateral` level across them, `vertical` the remaining one; `torsional` is vertical in opposite directions at nodes
-    beside each other. A half-wave lies between two changes of sign along the line that moves most. Shapes of nets are
+    next to each other. A half-wave lies between two changes of sign along the line that moves most. Shapes of nets are
     named by their direction only: `vertical`, or `level`.
 
     Args:

@@ -20,7 +20,7 @@ Summary = dict[str, Any]
 
 
 def net_summary(dataset: xr.Dataset, segments: Iterable[xr.Dataset]) -> dict[str, Summary]:
-    """Give for every net its `nodes` and `cells`, and where and when extremes occur; what is not known is None.
+    """Give for every net its `nodes` and `cells`, and where and when extremes occur; None for unknown values.
 
     `largest_tension` and `smallest_tension` are in N/m, at the middle of a cell; `slack` is the largest share of cells
     that pull in one direction at most; `largest_sag` is the depth in m below the plane through the edge (by least

@@ -99,7 +99,7 @@ def place_rows(found: dict[str, Any], say: Column) -> Iterator[Row]:
         where = "  ".join((*say.when(place), f"xi = {say.place(place['xi'])}", *fast))
         yield "last place", f"x = {say.place(place['value'])}", where
     if (place := found["lowest_place"]) is not None and place["below"]["value"] > FELT:
-        down = f"{say(place['below']['value'], 'm')} below where it began"
+        down = f"{say(place['below']['value'], 'm')} below its start"
         yield "lowest place", f"z = {say.place(place['value'])}", "  ".join((*say.when(place), down))
 
 

@@ -94,7 +94,7 @@ class Past:
             for name, shape in shapes.items():
                 found = file.variables[name].shape[1:] if name in file.variables else None
                 if found != shape and not (found is None and 0 in shape):
-                    raise ResultError(f"{self.path}: {name} is of another size than the scenario in it says")
+                    raise ResultError(f"{self.path}: the size of {name} does not match the scenario in the file")
             for first in range(0, self.count, _BLOCK):
                 last = min(first + _BLOCK, self.count)
                 block = {

@@ -13,7 +13,7 @@ EDGE = 2  # samples after entering and before leaving whose peaks are impulses o
 
 
 def lonely(values: Array) -> int | None:
-    """Find the largest of values, if it is alone: many times those beside it and the usual one, and at neither end.
+    """Find the largest of values, if it is alone: many times those next to it and the usual one, and at neither end.
 
     Args:
         values: (sample,) not negative; NaN where there is nothing.
@@ -30,7 +30,7 @@ def lonely(values: Array) -> int | None:
 
 
 def sharp(values: Array) -> int | None:
-    """Find the largest of values, if it stands out from the mean of the two beside it by a good part of itself.
+    """Find the largest of values, if it stands out from the mean of the two next to it by a good part of itself.
 
     Of a sine with n values in a period that is A (1 - cos(2 pi / n)).
 
@@ -62,9 +62,9 @@ def too_far_apart(what: str, values: Array, instants: Array, i: int) -> str:
         i: its index, see `sharp`.
     """
     return (
-        f"{what}, {values[i]:.4g} N at t = {instants[i]:.4g} s, is a peak that output instants are too far apart for: "
-        f"it is {values[i - 1]:.4g} N {instants[i] - instants[i - 1]:.3g} s before and {values[i + 1]:.4g} N after; "
-        f"the true one may be larger by {100.0 * missed(values, i):.2g} % or more; write a smaller run.every"
+        f"{what}, {values[i]:.4g} N at t = {instants[i]:.4g} s, is a peak shorter than the output interval: "
+        f"{values[i - 1]:.4g} N {instants[i] - instants[i - 1]:.3g} s before and {values[i + 1]:.4g} N after; the "
+        f"true peak may be larger by {100.0 * missed(values, i):.2g} % or more; write a smaller run.every"
     )
 
 

@@ -26,7 +26,7 @@ class PushWatch:
 
     Args:
         layout: of the frames.
-        scenario: what is run.
+        scenario: the scenario.
     """
 
     def __init__(self, layout: Layout, scenario: Scenario) -> None:
@@ -54,6 +54,6 @@ class PushWatch:
         if push > _MUCH * self._largest:
             when, unit = ("t =", "s") if self._layout.path == "time" else ("load path", "m")
             yield (
-                f"line {line}, whose law only pulls, pushes with {push:.4g} N at {when} {path:.4g} {unit}: its "
+                f"tension-only line {line} has a compressive force of {push:.4g} N at {when} {path:.4g} {unit}: its "
                 "axial_damping acts in slack links, too; repeat the run with half of it and compare the results"
             )

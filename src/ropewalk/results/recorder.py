@@ -42,7 +42,7 @@ _METADATA = (
     "step",
     "doubts",
     "warnings",
-)  # attributes that are kept up to date while a run goes on
+)  # attributes that are kept up to date while a run continues
 RESERVE = 16 * 1024  # bytes kept free in the header for attributes that grow, or else the data would have to move
 
 
@@ -111,7 +111,7 @@ class Recorder:
         for name, shape in self._shapes.items():
             given = frames.of[name].shape[1:] if name in frames.of else None
             if given != shape and not (given is None and 0 in shape):
-                raise ValueError(f"frame {self.frames}: {name} has shape {given}, the layout says {shape}")
+                raise ValueError(f"frame {self.frames}: {name} has shape {given}, the layout requires {shape}")
         self._watch.see(frames)
         self._store.extend(frames, self._run_info)
 
@@ -156,7 +156,7 @@ class Recorder:
 
 
 def _checkpoint(data: dict[str, str], run_info: RunInfo, run: Run) -> Tree | None:
-    """What a run goes on from; None if there is nothing."""
+    """What a run continues from; None if there is nothing."""
     state = run.get_state()
     if state is None:
         return None
@@ -273,7 +273,7 @@ class _File:
             raise WriteError(f"{self.path}: cannot be created ({problem}); is the disk full?") from problem
 
     def _reopen(self, run_info: RunInfo) -> None:
-        """Go on in a file: it tells from now on what is asked now."""
+        """Go on in a file: it serves the present request from now on."""
         import netCDF4
 
         assert self._past is not None
@@ -374,7 +374,7 @@ class _File:
             self._file = None
             raise WriteError(f"{self.path}: cannot be completed ({problem}); is the disk full?") from problem
         if self._past is not None and self.count < self._past.stored and run_info.outcome not in _CUT_SHORT:
-            cut(self.path, self.count)  # what is left of before was never to come
+            cut(self.path, self.count)  # the rest of the earlier run is not computed
         try:
             checksums.seal(self.path)
         except (OSError, checksums.DamagedError) as problem:

@@ -43,7 +43,7 @@ class MotionEngine(Protocol):
 
     @property
     def looks_ahead(self) -> bool:
-        """Whether the frame of an instant needs the step after it: a longer run goes on from before the last one."""
+        """Whether the frame of an instant needs the step after it: a longer run continues from before the last one."""
 
     @property
     def together(self) -> bool:
@@ -180,7 +180,7 @@ class TimeHistory:
         found = deque(self.frames(), maxlen=1)
         if not found or self.run_info.outcome not in ("running", "completed"):
             outcome, advice = self.run_info.outcome, self.run_info.advice
-            raise RopewalkError(f"the run did not come to t = {self.engine.times[-1]:g} s ({outcome}): {advice}")
+            raise RopewalkError(f"the run did not reach t = {self.engine.times[-1]:g} s ({outcome}): {advice}")
         return found[0]
 
 
@@ -257,7 +257,7 @@ class Run(Protocol):
 
 
 def followed(frames: Iterator[Frame], run_info: RunInfo) -> Iterator[Frame]:
-    """Frames of slow motion; one that ends where there is no equilibrium keeps those before.
+    """Frames of quasi-static motion; one that ends where there is no equilibrium keeps those before.
 
     Raises:
         RopewalkError: there is not even the first one.

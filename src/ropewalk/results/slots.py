@@ -59,7 +59,7 @@ class Slots:
         size = (int(SPARE * len(self._first)) + SPARE_BYTES) // 8 * 8
         for name, length in zip(_DIMENSIONS, (_SLOTS, size), strict=True):
             file.createDimension(name, length)
-        file.createVariable(CHECKPOINT, "i1", _DIMENSIONS).long_name = "what `ropewalk resume` goes on from"
+        file.createVariable(CHECKPOINT, "i1", _DIMENSIONS).long_name = "checkpoint of `ropewalk resume`"
         self.use(file)
 
     def use(self, file: Any) -> None:
@@ -102,7 +102,7 @@ def newest(file: Any, frames: int) -> Tree | None:
 
 
 def digests(scenario: Scenario) -> dict[str, str]:
-    """SHA-256 of the files, beside stored results, that a scenario takes its data from, by the keys that name them."""
+    """SHA-256 of the files, next to stored results, that a scenario takes its data from, by the keys that name them."""
     named = {
         f"loads.{name}.{key}": getattr(load, key, None)
         for name, load in scenario.loads.items()

@@ -42,7 +42,7 @@ class Spectrum:
     real_branches: bool
     """Whether some modes are damped beyond oscillation."""
     unstable: int
-    """Number of eigenvalues with a positive real part: directions in which the line, in compression, gives way."""
+    """Number of eigenvalues with a positive real part: directions in which the line, in compression, yields."""
     growth_rate: float
     """Largest positive real part, 1/s; 0 if stable."""
     neutral: int
@@ -88,7 +88,7 @@ class Spectrum:
         return "dissipatively stiff" if self.fastest_damping_ratio >= 1.0 else "damped"
 
     def as_dict(self) -> dict[str, Any]:
-        """Everything as plain numbers with units in the names, for JSON; what is not finite is None."""
+        """Everything as plain numbers with units in the names, for JSON; None for values that are not finite."""
         ratio, step = self.stiffness_ratio, self.stable_step
         out: dict[str, Any] = {
             "line": self.name,

@@ -23,7 +23,7 @@ class StartPositionWatch:
 
     Args:
         layout: of the frames.
-        scenario: what is run.
+        scenario: the scenario.
     """
 
     def __init__(self, layout: Layout, scenario: Scenario) -> None:
@@ -63,7 +63,7 @@ class StartPositionWatch:
                     f", y = {place[1]:.4g} m" if place.size == 3 and level.size > 1 else ""
                 )
                 yield (
-                    f"load {name} stands at {where}, {along:.4g} m from the start of {load.on} measured horizontally: "
+                    f"load {name} starts at {where}, {along:.4g} m from the start of {load.on} measured horizontally: "
                     f"{key}: {start:.6g} m is measured along the {known}{_remedy(load, line, start)}"
                 )
 

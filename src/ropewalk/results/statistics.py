@@ -396,7 +396,7 @@ def _method(dataset: xr.Dataset) -> Summary:
 
 
 def _plain(value: Any) -> Any:
-    """Numbers of NumPy become Python's, and what is not finite becomes None, which JSON can say."""
+    """Numbers of NumPy become Python's, and values that are not finite become None, which JSON can say."""
     if isinstance(value, dict):
         return {str(key): _plain(entry) for key, entry in value.items()}
     if isinstance(value, list):

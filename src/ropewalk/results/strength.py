@@ -28,7 +28,7 @@ class StrengthWatch:
 
     Args:
         layout: of the frames.
-        scenario: what is run.
+        scenario: the scenario.
     """
 
     def __init__(self, layout: Layout, scenario: Scenario) -> None:
@@ -51,10 +51,8 @@ class StrengthWatch:
         when, unit = ("t = ", "s") if self._layout.path == "time" else ("load path ", "m")
         for name, (path, xi, pull) in self._first.items():
             what = f"line {name} would break {xi:.4g} m from its start, at {when}{path:.4g} {unit}"
-            cause = (
-                f"its tension of {pull:.4g} N exceeds its strength of {self._of[name]:.4g} N; the run goes on unbroken"
-            )
-            remedy = f"write more strength or less load, or cut: {{at: {xi:.4g} m, ...}} to compute the failure"
+            cause = f"its tension of {pull:.4g} N exceeds its strength of {self._of[name]:.4g} N; it stays intact"
+            remedy = f"increase strength, reduce the load, or write cut: {{at: {xi:.4g} m, ...}} to compute the failure"
             yield Doubt(what, cause, f"lines.{name}.strength", remedy)
 
 

@@ -20,7 +20,7 @@ def blows_at_once(scenario: Scenario) -> Iterator[str]:
     run, wind = scenario.run, scenario.wind
     if wind is None or run.kind not in ("dynamic", "linear"):
         return
-    remedy = "ask for kind: dynamic with start: {in_wind: true}, or let "
+    remedy = "write kind: dynamic with start: {in_wind: true}, or let "
     if run.kind == "dynamic":
         if run.start.in_wind or run.start.kind == "result":
             return

@@ -20,7 +20,7 @@ SUPPORTS, LARGEST = 8, 3  # with more supports than this only so many of them ge
 ROUND_OFF = 1e-9  # m: what is no further aside has not left its plane, what is lifted no higher is at rest
 ZERO = 1e-9  # of the largest of its kind: what is no larger is rounding, and written as zero
 NOTHING = 1e-5  # of the largest of its kind: what is no larger gets no row
-_PULLS = 0.01  # of the largest one, from which on a force upwards is told apart
+_PULLS = 0.01  # of the largest one, from which on a force upwards is distinguished
 _MOST_FRICTION = 2.0  # coefficient above which no two surfaces rub
 ENERGY_LABELS = {
     "kinetic": "kinetic",
@@ -59,7 +59,7 @@ def text(found: Summary, units: DisplayUnits | None = None) -> str:
 def _headline(found: Summary, units: DisplayUnits) -> str:
     outcome = found["outcome"]
     if outcome == "running":
-        outcome = "unfinished (still running, or killed)"
+        outcome = "incomplete (still running, or killed)"
     simulated = found["simulated"]
     unit = units.place if simulated["unit"] == "m" else DisplayUnit(simulated["unit"], 1.0)
     length = f"{number(simulated['value'] / unit.size)} {unit.symbol}"
@@ -193,7 +193,7 @@ def _place(found: Summary, say: Column) -> str:
 
 
 def _components(force: Summary, say: Column) -> Iterator[str]:
-    """The ranges of the components that are anything beside the whole."""
+    """The ranges of the components that are anything compared with the whole."""
     for axis, span in force["components"].items():
         if span["min"] is not None and max(abs(span["min"]), abs(span["max"])) > NOTHING * force["value"]:
             yield f"{axis}: {say.span(span['min'], span['max'], 'N')}"
@@ -232,7 +232,7 @@ def _pantograph_rows(name: str, found: Summary, say: Column) -> Iterator[Row]:
         yield "samples", f"every {say(0.5 / value['fastest'], 's', 3)}", sentence
     target = ""
     if value["target"] is not None:
-        target = f"{number(value['target_ratio'], 3)} of the {say(value['target'], 'N')} asked for"
+        target = f"{number(value['target_ratio'], 3)} of the target {say(value['target'], 'N')}"
     yield "mean contact force Fm", say(value["mean"], "N"), target
     low, high = say(value["deviation_low"], "N", 3), say(value["deviation_high"], "N", 3)
     yield (
@@ -302,7 +302,7 @@ def _overhead_rows(name: str, found: Summary, say: Column) -> Iterator[Row]:
         displayed.append(largest)
     for key in displayed:
         entry = supports[key]
-        note = "" if entry["analysed"] else "  largest of all, beside the analysed spans"
+        note = "" if entry["analysed"] else "  largest of all spans"
         yield f"uplift at {key}", say(entry["uplift"], "m", 3), f"{say.place(entry['station'])}{note}"
     pull, slack, count = found["largest_dropper_force"], found["most_slack"], len(found["droppers"])
     if pull is not None and pull["value"] is not None:
@@ -316,7 +316,7 @@ def _overhead_rows(name: str, found: Summary, say: Column) -> Iterator[Row]:
 
 
 def _contact_rows(name: str, contact: Summary, say: Column, largest: float) -> Iterator[Row]:
-    """What a load does; `largest` is the largest force of the result, beside which others may be nothing."""
+    """What a load does; `largest` is the largest force of the result, compared with which others may be nothing."""
     yield f"Load {name}", "", ""
     share = contact["share_on_line"]
     if not share:
@@ -341,7 +341,7 @@ def _contact_rows(name: str, contact: Summary, say: Column, largest: float) -> I
     if (hold["value"] or 0.0) > NOTHING * largest:
         yield "largest hold force", say(hold["value"], "N"), "  ".join((*say.when(hold), *_components(hold, say)))
     if ((needed := contact["friction_needed"])["value"] or 0.0) > NOTHING:
-        beyond = ("more than surfaces have: a clamp bears it",) if needed["value"] > _MOST_FRICTION else ()
+        beyond = ("larger than for dry surfaces: requires a clamp",) if needed["value"] > _MOST_FRICTION else ()
         yield "friction coefficient needed", number(needed["value"], 3), "  ".join((*say.when(needed), *beyond))
     if contact["share_in_air"]:
         yield "in the air", f"{number(100 * contact['share_in_air'], 2)} %", "of its time"
@@ -497,4 +497,4 @@ def _method_rows(method: Summary, say: Column) -> Iterator[Row]:
         wall, compiled = method["wall"]["value"], method["compiling"]["value"] or 0.0
         yield "time taken", say(wall - compiled, "s", 3), timing
         if compiled > 0.0:
-            yield "besides, compiling", say(compiled, "s", 3), "once; from then on kernels are kept"
+            yield "compilation", say(compiled, "s", 3), "once; kernels are then cached"

@@ -51,7 +51,7 @@ def tables(
 
     Args:
         dataset: a result, in memory or lazy.
-        every: s (m of a slow motion), one row for each such interval; without it all output instants.
+        every: s (m of a quasi-static motion), one row for each such interval; without it all output instants.
         at: s (m), rows at these instants only. Both take the output instants that are nearest.
         units: of the quantities (default: SI), each the same in all columns of a table; instants are in s, and
             places in m or in a unit of length that is no part of the metre.
@@ -147,7 +147,7 @@ def write_tables(
     at: Sequence[float] | None = None,
     units: DisplayUnits | None = None,
 ) -> list[Path]:
-    """Write the tables of a result: sheets of one `.xlsx`, or `OUT.csv`, `OUT.summary.csv`, ... beside each other.
+    """Write the tables of a result: sheets of one `.xlsx`, or `OUT.csv`, `OUT.summary.csv`, ... next to each other.
 
     Args:
         dataset: a result.
@@ -182,7 +182,7 @@ def check_tables(path: str | Path) -> None:
 
 
 def save_tables(found: dict[str, pd.DataFrame], path: str | Path) -> list[Path]:
-    """Write tables as sheets of a workbook, or as files beside each other, of which the first one has the name given.
+    """Write tables as sheets of a workbook, or as files next to each other, of which the first one has the name given.
 
     Args:
         found: by name; those with an index that has a name are written with it.
@@ -232,7 +232,7 @@ def _chosen(dataset: xr.Dataset, every: float | None, at: Sequence[float] | None
     outside = [t for t in wanted if not instants[0] <= t <= instants[-1]]
     if outside:
         reach = f"from {instants[0]:g} to {instants[-1]:g} {unit}"
-        raise ResultError(f"at {outside[0]:g} {unit}: the result goes {reach}")
+        raise ResultError(f"at {outside[0]:g} {unit}: the result covers {reach}")
     if every is not None:
         wanted += list(np.arange(instants[0], instants[-1] * (1.0 + 1e-12), every))
     return sorted({int(np.abs(instants - t).argmin()) for t in wanted})

@@ -15,15 +15,15 @@ from ropewalk.results.files import ResultError, beside, check_result, is_netcdf
 if TYPE_CHECKING:
     from ropewalk.model import Scenario
 
-_LONGEST = 240  # bytes of the name of a file, which has to leave room for the names of those beside it
+_LONGEST = 240  # bytes of the name of a file, which has to leave room for the names of those next to it
 
 
 def check_target(file: Path) -> Path:
     """Make sure that a result can be written to `file`, without touching anything, and give its full path.
 
     Raises:
-        ResultError: the folder is missing or not writable, `file` is a folder or a file of another kind, or somebody
-            else is writing it.
+        ResultError: the folder is missing or not writable, `file` is a folder or a file of another kind, or another
+            process is writing it.
     """
     try:
         with suppress(FileNotFoundError):  # else there is no loop of links, which resolve takes for a file from 3.13 on
@@ -42,7 +42,7 @@ def check_target(file: Path) -> Path:
         if target.exists() and not target.is_file():
             raise ResultError(f"{file}: is not an ordinary file; choose another name")
         if target.is_file() and target.stat().st_size and not is_netcdf(target):
-            raise ResultError(f"{file}: exists and is no result; it is left alone, choose another name")
+            raise ResultError(f"{file}: exists and is not a result; it is not overwritten, choose another name")
     except UnicodeEncodeError:
         name = os.fsencode(file).decode("utf-8", "backslashreplace")
         raise ResultError(f"{name}: the name is not UTF-8; choose another one") from None
@@ -74,7 +74,7 @@ def check_own(file: Path, scenario: Scenario) -> None:
             title, text = str(stored.getncattr("title")), str(stored.getncattr("scenario"))
         names = _names(json.loads(text))
     except (ResultError, OSError, RuntimeError, ValueError, AttributeError, TypeError, MemoryError) as problem:
-        raise ResultError(f"{file}: exists, but cannot be read to see whose it is; {remedy}") from problem
+        raise ResultError(f"{file}: exists, but its scenario cannot be read; {remedy}") from problem
     if title == scenario.title or names == _names(scenario.model_dump(include=set(_NAMED))):
         return
     raise ResultError(f"{file}: holds a result of another scenario, {title!r}; {remedy}")
@@ -91,10 +91,10 @@ def _names(tree: Any) -> tuple[tuple[str, ...], ...]:
 def alone(path: Path) -> Iterator[None]:
     """Keep a result to oneself, whether it is there yet or not, as long as nobody else does.
 
-    A hidden file beside it is locked, and says who does. It goes with its lock; a kill leaves it, unlocked.
+    A hidden file next to it is locked, and says who does. It goes with its lock; a kill leaves it, unlocked.
 
     Raises:
-        ResultError: somebody else does.
+        ResultError: another process does.
     """
     try:
         import fcntl
@@ -112,7 +112,7 @@ def alone(path: Path) -> Iterator[None]:
                 who = stream.read(200).strip()
                 stream.close()
                 by = f"by process {who}" if who else "by another process"
-                raise ResultError(f"{path}: is being written {by}; let that end first") from None
+                raise ResultError(f"{path}: is being written {by}; wait until that ends") from None
             except OSError:  # some network folders know no locks
                 break
             with suppress(OSError):

@@ -42,7 +42,7 @@ WATCHES = (
     GivenTensionWatch,
 )  # fmt: skip
 """Watches that see all frames and have warnings at the end."""
-VANISHING = 1e-100  # N: small motion begins with a little more than nothing
+VANISHING = 1e-100  # N: linearised motion begins with a little more than nothing
 UNBALANCED = 1e-3  # of all weights: what the support forces at rest may miss
 NOTHING = 1e-10  # of the largest tension, or of the weight of the line: a load that presses less does not press
 _GROWING = ("pantograph",)  # loads whose forces grow from nothing
@@ -58,7 +58,7 @@ class Watch:
 
     Args:
         layout: of the frames.
-        scenario: what is run.
+        scenario: the scenario.
     """
 
     def __init__(self, layout: Layout, scenario: Scenario) -> None:
@@ -165,7 +165,7 @@ class Watch:
         return run.kind == "equilibrium" or (run.kind == "dynamic" and run.start.kind == "rest")
 
     def _in_waves(self, of: Mapping[str, Array]) -> Array:
-        """Speeds of contacts over those of transverse waves in the looser part beside them; zero where unknown."""
+        """Speeds of contacts over those of transverse waves in the looser part next to them; zero where unknown."""
         pull, speed = of["contact_tension"].min(axis=2), np.abs(of["contact_speed"])
         known = np.isfinite(pull) & (speed > 0.0)
         return np.where(known, speed * self._slowness / np.sqrt(np.where(known, np.maximum(pull, 1e-300), 1.0)), 0.0)
@@ -190,7 +190,7 @@ class Watch:
                 yield Doubt(f"load {name} is never on {load.on}", cause, f"loads.{name}.travel", remedy)
             elif pressing <= NOTHING * max(*self._tension, self._ordinary(load.on)):
                 cause, key, remedy = self._weightless(name)
-                yield Doubt(f"load {name} never presses on {load.on}", cause, key, remedy)
+                yield Doubt(f"load {name} never exerts a force on {load.on}", cause, key, remedy)
 
     def _ordinary(self, on: str) -> float:
         """A force that is not small for a line, N: its weight on Earth."""
@@ -200,7 +200,7 @@ class Watch:
     def _weightless(self, name: str) -> tuple[str, str, str]:
         load = self.scenario.loads[name]
         if self.scenario.gravity == 0.0 and load.kind not in ("force", "stepper", "fmu"):
-            return "gravity is 0, so that its mass has no weight", "gravity", "give gravity, or the weight as a force"
+            return "gravity is 0, so its mass has no weight", "gravity", "write gravity, or the weight as a force"
         if load.kind in ("stepper", "fmu"):
             return "the external model returns no force", f"loads.{name}", "check the forces that it returns"
         if load.kind == "pantograph":
@@ -208,7 +208,7 @@ class Watch:
         if load.kind == "force":
             return "its force is zero", f"loads.{name}.force", "give it a force"
         key = f"loads.{name}.weight" if load.kind == "matrices" else f"loads.{name}"
-        return "it has no weight, or is in the air all the time", key, "check its weight and its start"
+        return "it has no weight, or is never in contact", key, "check its weight and its start"
 
     def _single_steps(self, force: Array, doubted: set[str]) -> Iterator[Doubt]:
         """Peaks of contact forces and tensions that stand alone: they come from one step, and not from the line."""
@@ -281,7 +281,7 @@ class Watch:
 
 
 def _runs_of(names: Sequence[str]) -> tuple[list[str], list[int]]:
-    """Names that stand beside each other, each once, and where they begin."""
+    """Names that stand next to each other, each once, and where they begin."""
     begin = [i for i, name in enumerate(names) if i == 0 or name != names[i - 1]]
     return [names[i] for i in begin], begin
 
@@ -291,7 +291,7 @@ def _impact(load: AnyLoad | None, name: str) -> tuple[str, str, str]:
     parts = (load, *getattr(load, "wheels", {}).values())
     if any(getattr(part, "contact_stiffness", None) is not None for part in parts):
         return "an impact that is shorter than the output interval", "run.every", "write a smaller run.every"
-    cause = "a rigid contact strikes the line, and the force is its impulse over one step"
+    cause = "a rigid contact hits the line, and the force is its impulse divided by one step"
     if any("contact_stiffness" in type(part).model_fields for part in parts if part is not None):
         key = f"loads.{name}.wheels" if getattr(load, "wheels", None) else f"loads.{name}"
         return cause, key, "write lift_off: true and a contact_stiffness, or evaluate impulses only"

@@ -39,7 +39,7 @@ Element = ElementTree.Element
 
 
 def export(dataset: xr.Dataset, path: str | Path, *, progress: Progress | None = None) -> None:
-    """Write a result for ParaView: `OUT.pvd`, and beside it the folder `OUT` with one `.vtp` for each frame.
+    """Write a result for ParaView: `OUT.pvd`, and next to it the folder `OUT` with one `.vtp` for each frame.
 
     A link is a stroke between two nodes, a cell of a net a triangle, a contact or body a single point; loads off
     their lines are left out. Point data: `velocity`, `xi`, `kind` (0 node, 1 contact, 2 body), and at contacts

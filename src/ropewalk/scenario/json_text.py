@@ -51,7 +51,7 @@ class _JsonReader:
         self.source.tree = self.value(())
         self.space()
         if self.at < len(self.text):
-            raise self.error("something stands after the end of the document")
+            raise self.error("there is text after the end of the document")
 
     def error(self, what: str) -> JSONDecodeError:
         return JSONDecodeError(what, self.text, self.at)
@@ -81,7 +81,7 @@ class _JsonReader:
                 return meaning
         match = _NUMBER.match(self.text, self.at)
         if match is None:
-            raise self.error("a value is missing here" if sign else "the text ends too early")
+            raise self.error("expected a value here" if sign else "the text ends too early")
         self.at = match.end()
         if match[1] or match[2] or len(match[0]) > 400:
             return float(match[0])
@@ -99,11 +99,11 @@ class _JsonReader:
             return values
         while True:
             if self.space() != '"':
-                raise self.error("a key in double quotes is missing here")
+                raise self.error("expected a key in double quotes here")
             line = self.here()
             name = self.string()
             if self.space() != ":":
-                raise self.error("a colon is missing after the key")
+                raise self.error("expected a colon after the key")
             self.at += 1
             self.member(values, (*key, name), line)
             sign = self.space()
@@ -112,7 +112,7 @@ class _JsonReader:
                 return values
             if sign != ",":
                 self.at -= 1
-                raise self.error("a comma or } is missing here")
+                raise self.error("expected a comma or } here")
 
     def member(self, values: dict[str, Any], key: Key, line: int) -> None:
         first = self.source.lines.get(key) if key[-1] in values else None
@@ -121,7 +121,7 @@ class _JsonReader:
             values[key[-1]] = self.value(key)
             return
         remedy = f"keep one ({self.source.name}:{first})"
-        self.source.problems.append(self.source.problem(key, "the key stands twice in this block", remedy=remedy))
+        self.source.problems.append(self.source.problem(key, "the key occurs twice in this block", remedy=remedy))
         kept = dict(self.source.lines)
         self.value(key)
         self.source.lines = kept | {key: first}
@@ -143,4 +143,4 @@ class _JsonReader:
                 return values
             if sign != ",":
                 self.at -= 1
-                raise self.error("a comma or ] is missing here")
+                raise self.error("expected a comma or ] here")

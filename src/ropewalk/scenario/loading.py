@@ -77,7 +77,7 @@ def _checked(text: str, name: str) -> Source:
         what = "a list" if isinstance(source.tree, list) else "a single value"
         line = source.lines.get(())
         remedy = "write the keys lines, loads and run"
-        error = syntax_error(name, line, f"{what} stands where the scenario should be", remedy)
+        error = syntax_error(name, line, f"{what} instead of a scenario", remedy)
         raise ScenarioError([*source.problems, *error.problems])
     return source
 

@@ -24,7 +24,7 @@ def apply(source: Source, override: str) -> None:
         if not sign or not all(key):
             raise _Unset("this is not key=value", override, "write for example --set run.until=2s")
         if not text.strip():
-            raise _Unset("no value is given", remedy="write a value, or null to take the key out")
+            raise _Unset("no value is given", remedy="write a value, or null to remove the key")
         value = _value(text, origin)
         block, last = _holder(source, key)
         _put(source, block, key, last, value)
@@ -84,7 +84,7 @@ def _check_known(source: Source, block: Any, key: Key, *, inner: bool) -> None:
     part, outer = key[-1], key[:-1]
     if isinstance(block, list):
         if not part.isdecimal() or int(part) >= len(block):
-            raise _Unset("no such entry", part, f"{dotted(outer)} has the entries 0 to {len(block) - 1}")
+            raise _Unset("the index is out of range", part, f"{dotted(outer)} has the entries 0 to {len(block) - 1}")
         return
     if not isinstance(block, dict):
         raise _Unset(f"{dotted(outer)} is a value, not a block", displayed(block), f"set {dotted(outer)} itself")
@@ -92,7 +92,7 @@ def _check_known(source: Source, block: Any, key: Key, *, inner: bool) -> None:
         return
     if is_block_of_names(outer, source.tree):
         if inner:
-            raise _Unset(f"nothing is called {part} in {dotted(outer)}", remedy=did_you_mean(part, block))
+            raise _Unset(f"unknown key {part} in {dotted(outer)}", remedy=did_you_mean(part, block))
         return
     declaration = block_at(outer, source.tree)
     if declaration is not None and part not in known_keys(declaration):
@@ -103,7 +103,7 @@ def _check_known(source: Source, block: Any, key: Key, *, inner: bool) -> None:
 def _put(source: Source, block: Any, key: Key, last: str, value: Any) -> None:
     if isinstance(block, list):
         if value is None:
-            raise _Unset("an entry of a list cannot be taken out", remedy=f"set {dotted(key[:-1])} itself")
+            raise _Unset("an entry of a list cannot be removed", remedy=f"set {dotted(key[:-1])} itself")
         block[int(last)] = value
     elif value is None:
         block.pop(last, None)

@@ -48,7 +48,7 @@ def validate(source: Source) -> Scenario:
 
 
 def in_declaration(error: ValidationError, declaration: type[Declaration], keys: dict[str, Any]) -> list[Problem]:
-    """What is wrong with a declaration made in Python, in the words in which a file is told.
+    """Problems of a declaration made in Python, in the words in which a file is told.
 
     Args:
         error: pydantic's.
@@ -83,8 +83,8 @@ def _without_empty(source: Source, value: Any, key: Key, problems: list[Problem]
     kept = {}
     for name, entry in value.items():
         if entry is None and not is_within(key, source.broken):
-            remedy = "write a value or take the key out"
-            problems.append(source.problem((*key, name), "is left empty", remedy=remedy))
+            remedy = "write a value or remove the key"
+            problems.append(source.problem((*key, name), "is empty", remedy=remedy))
         else:
             kept[name] = _without_empty(source, entry, (*key, name), problems)
     return kept
@@ -104,7 +104,7 @@ def _translated(error: ValidationError, source: Source, tree: Any, reported: set
         source.problem(key, *words)
         for key, *words in found
         # a misspelt or empty key is reported as such, not as missing, too
-        if not (words[0].startswith("is missing") and ".".join(key) in silent)
+        if not (words[0].startswith("is required") and ".".join(key) in silent)
         and (key, words[0]) not in excused
         and not is_within(key, source.broken)
     ]
@@ -144,7 +144,7 @@ def _words(detail: ErrorDetails, key: Key, tree: Any, start: type[Declaration] =
     keys = known_keys(block) if block else {}
     field = keys.get(key[-1]) if key else None
     if kind == "missing":
-        return "is missing", "", _addition(key[-1], keys)
+        return "is required", "", _addition(key[-1], keys)
     if kind == "extra_forbidden":
         return "unknown key", "", did_you_mean(key[-1], keys)
     if kind == "literal_error" and field is not None:
@@ -165,7 +165,7 @@ def _words(detail: ErrorDetails, key: Key, tree: Any, start: type[Declaration] =
         "bool_parsing": ("expected true or false", "write true or false"),
         "bool_type": ("expected true or false", "write true or false"),
         "tuple_type": ("expected a list", "write [ ..., ... ]"),
-        "dict_type": ("expected a block of names", "write  name: {...}  in it"),
+        "dict_type": ("expected a block of named entries", "write  name: {...}  in it"),
         "model_type": ("expected a block of keys", f"write its keys: {_listed(key, tree, start)}"),
     }
     wrong, remedy = simple.get(kind, (re.sub(r"^Input should", "should", detail["msg"]), ""))

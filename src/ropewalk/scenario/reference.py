@@ -20,7 +20,7 @@ MARK = "<!-- Generated from the schema by ropewalk.scenario.reference: do not ed
 SECTIONS = {
     "The file": ("scenario",),
     "A line": ("line", "segment", "cut", "damping", "profile"),
-    "What lines are joined by": ("joint", "hangers"),
+    "Joints and hangers": ("joint", "hangers"),
     "Rails, sleepers and ballast": ("track",),
     "Nets and membranes": ("net",),
     "Wind": ("wind",),
@@ -47,7 +47,7 @@ SECTIONS = {
         "head",
     ),
     "Runs": ("run",),
-    "What results tell of lines": ("outputs",),
+    "Recorded quantities": ("outputs",),
     "Many runs": ("sweep",),
 }
 """Headings with the modules of `ropewalk.model` whose declarations stand below them."""
@@ -64,10 +64,10 @@ PAGES = {
     "file/ropeways.md": ("Ropeways",),
     "file/people.md": ("Loads that walk", "Crowds"),
     "file/own.md": ("Loads of your own",),
-    "file/networks.md": ("What lines are joined by", "Wind"),
+    "file/networks.md": ("Joints and hangers", "Wind"),
     "file/nets.md": ("Nets and membranes",),
     "file/overhead-lines.md": ("Overhead lines",),
-    "file/runs.md": ("Runs", "What results tell of lines", "Many runs"),
+    "file/runs.md": ("Runs", "Recorded quantities", "Many runs"),
 }
 """Pages of docs/ with the headings on them; the first one has what no other has."""
 

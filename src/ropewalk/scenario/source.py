@@ -109,12 +109,12 @@ def read_text(path: str | os.PathLike[str]) -> str:
     except IsADirectoryError:
         raise syntax_error(name, None, "is a folder", "name a scenario file in it") from None
     except PermissionError:
-        raise syntax_error(name, None, "cannot be read", "allow yourself to read it (chmod u+r)") from None
+        raise syntax_error(name, None, "cannot be read", "change its permissions (chmod u+r)") from None
     except (OSError, ValueError) as error:
         wrong = getattr(error, "strerror", None) or str(error)
         raise syntax_error(name, None, f"cannot be read: {wrong}", "check the path") from None
     if len(data) > _LARGEST_FILE:
-        raise syntax_error(name, None, "is larger than 64 MB", "is this a scenario?")
+        raise syntax_error(name, None, "is larger than 64 MB", "check that this is a scenario")
     return decode(data, name)
 
 

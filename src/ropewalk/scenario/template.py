@@ -8,7 +8,7 @@ from ropewalk.errors import Problem, ScenarioError, did_you_mean
 from ropewalk.scenario.examples import TITLE, examples, title_of
 
 _TEMPLATE = """\
-# A scenario of ropewalk: lines, the loads that travel on them, and what is asked.
+# A scenario of ropewalk: lines, the loads that travel on them, and the analysis.
 #   ropewalk check FILE.yaml     finds every mistake before anything is computed
 #   ropewalk run FILE.yaml       computes the result and writes it as NetCDF
 # A quantity is a number in SI units, or text with a unit: 100 kN, 72 km/h, 1.35 kg/m.
@@ -20,7 +20,7 @@ lines:
   rope:                           # the name is yours
     start: [0 m, 0 m]             # [x, z] or [x, y, z]; x along the span, z up, y sideways
     end: [19.5 m, 0 m]
-    length: 20 m                  # unstrained; or  tension: 2 kN  (mean tension at rest) instead
+    length: 20 m                  # unstrained; or  tension: 2 kN  (mean tension in equilibrium) instead
     mass: 1 kg/m
     axial_stiffness: 100 kN       # EA
     # law: {kind: tension_only}   # default: {kind: hooke}
@@ -36,7 +36,7 @@ loads:
       speed: 10 m/s               # or a table {time: [0 s, 1 s], value: [0 m/s, 10 m/s]}
       measured: slip              # material | slip | arc | horizontal
       from: 0 m
-      # at_end: leave             # what happens at the end of the line: refuse (default) | leave | stay
+      # at_end: leave             # at the end of the line: refuse (default) | leave | stay
 
 run:
   kind: dynamic                   # dynamic | quasistatic (with positions: 201) | equilibrium
@@ -71,7 +71,7 @@ def trades() -> dict[str, str]:
     """Names of all templates, and what each is about."""
     titles = {trade: title_of(examples().get(example, "")) for trade, example in TRADES.items()}
     known = {trade: title for trade, title in titles.items() if title}
-    return {FIRST: "A force travels along a slack rope: every key of a first file", **known}
+    return {FIRST: "A force moves along a slack rope: all keys of a first file", **known}
 
 
 def template(name: str = "Moving force on a slack rope", trade: str = FIRST) -> str:
@@ -82,11 +82,11 @@ def template(name: str = "Moving force on a slack rope", trade: str = FIRST) -> 
         trade: one of `trades`.
 
     Raises:
-        ScenarioError: there is no such template.
+        ScenarioError: unknown template.
     """
     if trade not in trades():
         advice = did_you_mean(trade, trades(), otherwise=f"there are {', '.join(trades())}")
-        raise ScenarioError([Problem("--template", "there is no such template", trade, advice)])
+        raise ScenarioError([Problem("--template", "unknown template", trade, advice)])
     title = " ".join("".join(sign if sign.isprintable() else " " for sign in name).split())
     quoted = json.dumps(title or "untitled", ensure_ascii=False)
     if trade == FIRST:

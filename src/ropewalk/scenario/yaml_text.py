@@ -29,7 +29,7 @@ _HINTS = {
     "undefined alias": "define it before with &name",
     "found unexpected end of stream": "close the quotation",
     "expected the node content": "put text that begins with a special character in quotes",
-    "expected a single document": "keep one scenario per file: take the line --- out",
+    "expected a single document": "keep one scenario per file: remove the line ---",
     "expected '<document start>'": "indent keys of one block equally",
 }
 
@@ -58,8 +58,8 @@ def read_yaml(text: str, name: str) -> Source:
         raise syntax_error(name, line, f"this is not YAML{column}: {_plain(what)}", hint) from None
     except ReaderError as error:
         line = len(text[: error.position].splitlines()) or 1
-        wrong = "a control character stands here"
-        raise syntax_error(name, line, wrong, "take it out, or is this not a text file?") from None
+        wrong = "this is a control character"
+        raise syntax_error(name, line, wrong, "remove it, or check that this is a text file") from None
     except (YAMLError, ValueError, AttributeError, IndexError, TypeError, AssertionError) as error:
         first = str(error).splitlines()[:1]
         raise syntax_error(name, None, f"this is not YAML: {_plain(''.join(first))}") from None
@@ -111,7 +111,7 @@ class _Builder:
             raise syntax_error(self.source.name, node.start_mark.line + 1, wrong, remedy)
         if any(node is other for other in self.open):
             self.source.broken.add(key)
-            self.problem(key, node, "the alias stands inside of what it repeats", "write the values out")
+            self.problem(key, node, "the alias is inside of the block that it repeats", "write the values out")
             return {}
         if isinstance(node, ScalarNode):
             return self.scalar(node, key)
@@ -146,7 +146,7 @@ class _Builder:
             at = (*key, name)
             if name in values:
                 remedy = f"keep one ({self.source.name}:{self.source.lines[at]})"
-                self.problem(at, name_node, "the key stands twice in this block", remedy)
+                self.problem(at, name_node, "the key occurs twice in this block", remedy)
                 continue
             self.source.lines[at] = name_node.start_mark.line + 1
             values[name] = self.value(value_node, at)
@@ -159,7 +159,7 @@ class _Builder:
         nodes = node.value if isinstance(node, SequenceNode) else [node]
         for one in nodes:
             if not isinstance(one, MappingNode) or any(one is other for other in self.open):
-                self.problem((*key, "<<"), node, "<< takes over the keys of another block", "write <<: *name")
+                self.problem((*key, "<<"), node, "<< merges the keys of another block", "write <<: *name")
                 continue
             self.open.append(one)
             before = dict(self.source.lines)
@@ -202,7 +202,7 @@ class _Builder:
         tag = str(node.tag)
         displayed = "!!" + tag.removeprefix(_TAG) if tag.startswith(_TAG) else tag
         self.source.broken.add(key)
-        self.problem(key, node, "tags are not used in scenarios", "take the tag out", displayed)
+        self.problem(key, node, "tags are not used in scenarios", "remove the tag", displayed)
 
 
 def _integer(text: str) -> int | float:

@@ -80,7 +80,7 @@ MOTION = Capabilities(
     more=(_methods, without_retardation(_ROPES, "use axial_damping, or one frequency")),
 )
 AT_REST = Capabilities(
-    "ropes at rest or quasi-static",
+    "equilibria and quasi-static runs of ropes",
     only={
         "loads.kind": ("force", "mass", "oscillator", "trolley", "vehicle", "train", "matrices"),
         "loads.travel.margin": (None,),

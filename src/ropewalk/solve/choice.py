@@ -218,7 +218,7 @@ def choose(
         if damped and needed > most and method == "auto":
             wanted, why = "implicit", f"damping makes the chain stiff: {needed:.2g} explicit steps would be needed"
             if explicit_only:
-                wanted, why = "verlet", f"{needed:.2g} explicit steps, as {explicit_only} needs them"
+                wanted, why = "verlet", f"{needed:.2g} explicit steps, required for {explicit_only}"
         elif damped:
             wanted, why = "verlet", f"lightly damped: {needed:.2g} explicit steps are cheaper than implicit ones"
         elif bodies is not None:
@@ -226,16 +226,14 @@ def choose(
         elif dampers:
             wanted, why = "verlet", "dampers at supports: the sixth order would be lost"
         elif float(strands.drag.max(initial=0.0)) * rkn6_step(limits, relative) > DRAGGED:
-            wanted, why = (
-                "verlet",
-                "the drag of lines is too large for the sixth order, which has negative substeps",
-            )
+            wanted = "verlet"
+            why = "the drag of lines is too large for the sixth order, which has negative substeps"
         elif relative >= COARSE:
             wanted, why = "verlet", "undamped, and a coarse accuracy is enough"
         else:
-            wanted, why = "rkn6", "undamped: the spectrum is imaginary, and the sixth order pays"
+            wanted, why = "rkn6", "undamped: imaginary spectrum, the sixth order is the most efficient"
     else:
-        why = "as asked"
+        why = "requested"
     if wanted == "rkn6":
         own = rkn6_step(limits, relative) if step is None else RKN6_LIMIT / max(limits.frequency, 1e-300)
         compressed = COMPRESSED if step is None else 1.0
@@ -247,7 +245,7 @@ def choose(
     else:
         own = duration
     if step is not None and step > own and wanted != "implicit":
-        why += f"; the step asked for ({step:.3g} s) is above the stable one ({own:.3g} s), which is used"
+        why += f"; the requested step ({step:.3g} s) is above the stable one ({own:.3g} s), which is used"
     return Choice(wanted, min(own, step) if step is not None else own, f"{why} ({facts})", compressed)
 
 

@@ -53,7 +53,7 @@ class Diagnostics:
                     step = x - float(before.r[0, before.contact[k]])
                     along = (place.xi[load] - self._last.xi[load]) * (last - first)
                     if step * along < 0.0 and abs(step) > 1e-9 * span:
-                        found.append((load, "back", f"runs back, at x = {x:.4g} m"))
+                        found.append((load, "back", f"moves backwards, at x = {x:.4g} m"))
         self._last = place
         new = [(int(load), kind, text) for load, kind, text in found if (int(load), kind) not in self._made]
         self._made |= {(load, kind) for load, kind, _ in new}
@@ -62,10 +62,10 @@ class Diagnostics:
     def _friction(self, load: int, needed: float, hold: float) -> list[tuple[int, str, str]]:
         given, kind = float(self.setting.loads.friction[load]), self.setting.loads.contact[load]
         if kind == CLAMPED and needed > given:
-            text = f"needs a friction coefficient of {needed:.3g}: the {given:g} that was given does not suffice"
+            text = f"needs a friction coefficient of {needed:.3g}, more than the given {given:g}"
             return [(load, "friction", text)]
         if kind == COULOMB and hold != 0.0:
-            return [(load, "friction", f"slips: friction {given:g} does not hold it, a force of {hold:.4g} N does")]
+            return [(load, "friction", f"slips at friction {given:g}: a driving force of {hold:.4g} N is added")]
         return []
 
 
@@ -76,8 +76,8 @@ def on_friction(setting: PreparedRun, needed: Array, t: float, made: set[int]) -
         if k not in made:
             made.add(k)
             found.append(
-                f"load {setting.wheels[k].name} needs a friction coefficient of {needed[k]:.3g} at t = {t:.4g} s: the "
-                f"{given[k]:g} that was given does not suffice"
+                f"load {setting.wheels[k].name} needs a friction coefficient of {needed[k]:.3g} at t = {t:.4g} s, "
+                f"more than the given {given[k]:g}"
             )
     return found
 
@@ -100,8 +100,8 @@ def in_one_link(setting: PreparedRun) -> list[str]:
                 )
             found.append(
                 f"contacts {one} and {two} begin {gap:.3g} m apart, within one "
-                f"link of {line} ({h:.3g} m): between nodes a line bends nowhere but under loads with a place of their "
-                f"own{remedy}"
+                f"link of {line} ({h:.3g} m): between nodes a line bends only under loads with an independent "
+                f"position{remedy}"
             )
     return found
 
@@ -139,9 +139,9 @@ def on_parting(setting: PreparedRun, parting: Array, energy: float, made: set[in
             made.add(k)
             name, line = setting.wheels[k].name, setting.lines[setting.loads.strand[k]]
             found.append(
-                f"load {name} left {line} and took {lost:.3g} J of the pieces of line beside it, which are lost: it "
-                "came to its support from below or above, and the last piece is stretched the more, the finer the "
-                "mesh is; what follows depends on it: let it leave earlier (travel.margin), or end the run before"
+                f"load {name} left {line} and took {lost:.3g} J of the adjacent links, which are lost: it reached "
+                "its support from below or above, and the stretch of the last link grows with the number of "
+                "elements; later results depend on it: increase travel.margin, or end the run before"
             )
     return found
 
@@ -160,10 +160,10 @@ def on_springing_up(
             made.add(k)
             name, line = setting.wheels[k].name, setting.lines[setting.loads.strand[k]]
             found.append((
-                f"load {name} left {line}, and the line springs up with {-lost:.3g} J that nothing has given",
+                f"load {name} left {line}, and the line springs up with {-lost:.3g} J without a source of energy",
                 "the line turned back on itself at the load, and its last link is pushed together without it",
                 f"loads.{name.partition('.')[0]}.travel",
-                f"let it leave earlier (travel.margin), end the run before, or write lines.{line}.law: "
+                f"increase travel.margin, end the run before, or write lines.{line}.law: "
                 "{kind: tension_only}",
             ))  # fmt: skip
     return found

@@ -44,7 +44,7 @@ def place_loads(setting: PreparedRun, state: ChainState, with_loads: bool = Fals
             if 0 <= i < own and setting.multibody_system.bodies.M[v, i, i] <= 0.0:
                 name = setting.wheels[int(buffer["wheel"])].name
                 wrong = "has no mass to move on its contact_stiffness; give it wheel_mass (of a vehicle: mass)"
-                raise RopewalkError(f"load {name}: the wheel {wrong}, for example a tenth of what it carries")
+                raise RopewalkError(f"load {name}: the wheel {wrong}, for example a tenth of the load it carries")
     bodies, loads, strands = setting.multibody_system.bodies.copy(), setting.loads, setting.strands
     dim = state.r.shape[0]
     landing: list[int] = []

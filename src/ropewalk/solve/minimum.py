@@ -127,7 +127,7 @@ def cause(potential: Potential, r: Array) -> str:
             part = potential.part(r, np.asarray(potential.free @ way))
             if rates[0] > -np.sqrt(_SLIDES * largest):
                 return f"{part} is free to move; hold it with a support, a line or a spring"
-            return f"{part} gives way: lines are pushed together there; check lengths, supports and forces"
+            return f"{part} is unstable: lines are in compression there; check lengths, supports and forces"
     worst = int(np.abs(np.nan_to_num(out, nan=np.inf)).argmax())
     part = potential.part(r, np.asarray(potential.free @ (np.arange(out.size) == worst).astype(np.float64)))
     return f"{abs(out[worst]):.3g} N are not in balance on {part}; check supports, lengths and forces there"
@@ -146,7 +146,7 @@ def _among(rests: Rests, potential: Potential, start: Array, way: Way) -> Array:
         solve = sparse.linalg.splu((free.T @ free).tocsc())
         moved = np.asarray(solve.solve(np.asarray(free.T @ (shape - start).ravel())))
         if not np.abs(potential.moved(start, moved) - shape).max() <= _CLOSE * potential.size:
-            raise NotBesideError("the structure is another one at rest than where it began")
+            raise NotBesideError("the structure in equilibrium differs from the initial one")
         return moved
 
     def out(moved: Array) -> Array:

@@ -97,7 +97,7 @@ class ModalBasis:
             w = np.where(drifts, drifting, w)
         if not (w > 0.0).all():
             raise EquilibriumError(
-                "the structure resists nothing to the first order in one way in which it can move; give it tension or "
+                "the structure has a displacement without stiffness (singular tangent stiffness); give it tension or "
                 "bending stiffness, or ask for kind: dynamic"
             )
         D = np.asarray(phi.T @ (C @ phi))
@@ -188,7 +188,7 @@ def _coupled(w: Array, D: Array, S: Array) -> tuple[Complex, Complex, Complex]:
     missed = np.abs((vectors * values) @ inverse - A).max()
     if not missed <= _CLEAN * scale:
         raise RopewalkError(
-            "damped modes of the structure coincide and cannot be told apart; change a damping by a thousandth"
+            "damped modes of the structure coincide and cannot be separated; change a damping by a thousandth"
         )
     kept = np.flatnonzero(values.imag >= 0.0)
     twice = np.where(values[kept].imag > 0.0, 2.0, 1.0)

@@ -51,7 +51,7 @@ def deflect(setting: PreparedRun, state: ChainState, start: Start) -> None:
             inertia = setting.strands.rho[s] * setting.strands.h[s] * float((deflection**2).sum())
             square = -float((direction @ change) @ deflection[1:-1]) / inertia
             if not square > 0.0:
-                wrong, remedy = "no tension holds it on a circle", "tighten it, or start from the mode at rest"
+                wrong, remedy = "no tension holds it on a circle", "write more tension, or leave whirl out"
                 raise EquilibriumError(f"line {name}: {wrong}; {remedy}")
             state.w[:, own] += np.sqrt(square) * np.cross(chord, direction)[:, None] * deflection
 

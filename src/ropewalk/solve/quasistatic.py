@@ -188,6 +188,6 @@ class _PathStep:
         if m.kind != HORIZONTAL:
             raise EquilibriumError("a load cannot be held further along its path")
         raise EquilibriumError(
-            f"a load cannot come to x = {self.target[k]:.6g} m: its path turns back before, at "
+            f"a load cannot reach x = {self.target[k]:.6g} m: its path turns back before, at "
             f"{m.of(xi[k], stands):.6g} m; measure its travel along the line (material, slip or arc)"
         )

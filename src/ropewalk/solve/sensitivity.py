@@ -68,7 +68,7 @@ class Rests:
         try:
             yield
             if again and self._next < len(self.noted):
-                raise NotBesideError("fewer equilibria are found than in the run beside")
+                raise NotBesideError("fewer equilibria are found than in the reference run")
         finally:
             _PRESENT.reset(token)
 
@@ -92,18 +92,18 @@ class Rests:
             self.noted.append(Noted(unknowns.copy(), solve, left))
             return unknowns
         if self._next == len(self.noted):
-            raise NotBesideError("more equilibria are found than in the run beside")
+            raise NotBesideError("more equilibria are found than in the reference run")
         at, self._next = self.noted[self._next], self._next + 1
         x, first = at.unknowns.copy(), 0.0
         if residual(x).shape != x.shape:
-            raise NotBesideError("the unknowns are others than those of the run beside")
+            raise NotBesideError("the unknowns differ from those of the reference run")
         for k in range(STEPS):
             step = at.solve(residual(x))
             size = _largest(step)
             if k == 0:
                 first = size
             elif not size <= CONTRACTS * first + at.left:
-                raise NotBesideError("the stiffness does not tell what equilibria become")
+                raise NotBesideError("the stiffness does not determine the change of equilibria")
             x = x + step
         return x
 
@@ -129,7 +129,7 @@ class Rests:
             return x
         start = self._next
         if start == len(self.noted) or self.noted[start].unknowns.size != 1:
-            raise NotBesideError("a root is searched for that the run beside has not found")
+            raise NotBesideError("a root is required that the reference run does not have")
 
         def out(x: Array) -> Array:
             self._next = start + 1

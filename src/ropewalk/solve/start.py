@@ -194,7 +194,8 @@ def _place(
         return min(start, length)
     if rest is None:
         raise EquilibriumError(
-            f"load {wheel.name}: without loads the rest shape of its line is not determined, and travel.from cannot be "
+            f"load {wheel.name}: without loads the equilibrium of its line is not determined, and travel.from cannot "
+            "be "
             "measured on it; give gravity, or measured: material"
         )
     if measure == HORIZONTAL:

@@ -32,7 +32,7 @@ class Folder:
             OutsideError: the name leads elsewhere, or the kind is another one.
         """
         if not name or len(name) > 200 or any(sign in name for sign in "/\\\0:") or name.startswith("."):
-            raise OutsideError("name a file of the folder that the studio was opened in, without a path")
+            raise OutsideError("name a file in the folder of the studio, without a path")
         found = _resolved(self.path / name)
         if found.parent != self.path or found.suffix.lower() not in kinds:
             raise OutsideError(f"{name}: must be a file of this folder that ends in {', '.join(kinds)}")
@@ -90,10 +90,8 @@ class Folder:
         if len(text.encode()) > LARGEST_TEXT:
             raise RopewalkError("the text is larger than 1 MB")
         if (is_now := _stamp(file)) != (stamp or ""):
-            what = (
-                "is there already" if not stamp else "has changed on disk since it was opened" if is_now else "is gone"
-            )
-            raise RopewalkError(f"{name}: {what}; open it anew, or save under another name")
+            what = "exists already" if not stamp else "was changed on disk after opening" if is_now else "was deleted"
+            raise RopewalkError(f"{name}: {what}; open it again, or save under another name")
         made = file.with_name(f".{file.name}.{os.getpid()}.new")
         try:
             made.write_text(text, encoding="utf-8")
@@ -116,7 +114,7 @@ def _resolved(file: Path) -> Path:
             file.stat()
         return file.resolve()
     except (OSError, RuntimeError, ValueError):
-        raise OutsideError(f"{file.name}: cannot be followed to a file") from None
+        raise OutsideError(f"{file.name}: is a link to no file") from None
 
 
 def _stamp(file: Path) -> str:

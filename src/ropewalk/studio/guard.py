@@ -50,7 +50,7 @@ class Guard:
         path = str(scope["path"])
         first, _, rest = path.removeprefix("/").partition("/")
         if not self._is_ours(headers, needs_origin=scope["type"] == "websocket"):
-            await _refuse(scope, receive, send, 403, "this page is for its own machine only")
+            await _refuse(scope, receive, send, 403, "this page is served to this machine only")
         elif not secrets.compare_digest(first.encode(), self._token.encode()):
             await _refuse(scope, receive, send, 403, _NO_TOKEN)
         else:

@@ -78,7 +78,7 @@ class Process:
             self.kill("the computation took too long and was ended")
             raise WorkerEnded(f"no answer within {within:g} s; the computation was ended") from None
         except OSError:
-            raise WorkerEnded("the process that computes has ended") from None
+            raise WorkerEnded("the computing process has ended") from None
 
     def tell(self, do: str) -> None:
         """Say something that has no answer."""
@@ -140,7 +140,7 @@ class Process:
     def _fail(self) -> None:
         for future, _ in self._waiting.values():
             if not future.done():
-                why = self._ended or "the process that computes has ended; was this too much for its memory?"
+                why = self._ended or "the computing process has ended, possibly for lack of memory"
                 future.set_exception(WorkerEnded(why))
                 future.exception()  # it may be that nobody waits any more
 
@@ -191,7 +191,7 @@ class Pool:
         self._leased = [one for one in self._leased if one.is_alive]
         self._idle = [one for one in self._idle if one.is_alive]
         if not self._idle and len(self._leased) >= self._most:
-            raise RopewalkError(f"{self._most} pages compute already; close one of them")
+            raise RopewalkError(f"{self._most} pages are computing; close one of them")
         found = self._idle.pop() if self._idle else self._made()
         self._leased.append(found)
         return found

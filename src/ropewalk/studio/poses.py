@@ -126,7 +126,7 @@ class Dragging:
         force = self._force(asked)
         gravity = self.scenario.gravity
         if gravity <= 0.0 or not force[-1] < 0.0 or any(force[:-1]):
-            raise RopewalkError("only what hangs by its weight can be let go: its force must point straight down")
+            raise RopewalkError("only a load with a vertical force can be released")
         on = self.scenario.loads[asked.load].on
         line = self._line_of(on, asked.line)
         mass = {"kind": "mass", "on": on, "mass": -force[-1] / gravity, "travel": {"kind": "free", "from": xi}}
@@ -134,7 +134,7 @@ class Dragging:
         loads = {asked.load: mass}
         wind = self._wind(asked, line)
         return Scenario(
-            title=f"{self.scenario.title}, let go"[:200], gravity=gravity, lines={on: _felt(line, wind)}, loads=loads,
+            title=f"{self.scenario.title}, released"[:200], gravity=gravity, lines={on: _felt(line, wind)}, loads=loads,
             wind=wind, run=run,
         )  # fmt: skip
 

@@ -164,7 +164,7 @@ class PageConnection:
                 asked = json.loads(await self._socket.receive_text())
                 number, do = int(asked["id"]), str(asked["do"])
                 if abs(number) >= _LARGEST_NUMBER:
-                    raise ValueError("no number of a question")
+                    raise ValueError("the request has no number")
                 asked["id"] = number
             except (ValueError, KeyError, TypeError, OverflowError, RecursionError, MemoryError):
                 await self._socket.close(1003, "not understood")
@@ -175,7 +175,7 @@ class PageConnection:
             elif len(self._tasks) < 16:
                 self._begin(self._answer(number, do, asked))
             else:
-                await self._send(json.dumps({"id": number, "error": "too much is asked at once"}))
+                await self._send(json.dumps({"id": number, "error": "too many requests at once"}))
 
     def _begin(self, what: Coroutine[Any, Any, None]) -> None:
         task = asyncio.create_task(what)
@@ -236,4 +236,4 @@ class PageConnection:
                 studio.folder.bytes_left(studio.settings.disk)
             stamp = asked.get("stamp")
             return studio.folder.save(str(asked["name"]), str(asked["text"]), stamp and str(stamp))
-        raise RopewalkError(f"{do}: the studio does not do this")
+        raise RopewalkError(f"{do}: unknown request")

@@ -31,7 +31,7 @@ def serve(settings: Settings, port: int = 0, browser: bool = True) -> None:
     """
     token = os.environ.get(TOKEN, "") or secrets.token_urlsafe(24)
     if not re.fullmatch(r"[\w-]{16,200}", token):
-        fail(f"{TOKEN}: write at least 16 letters and digits that nobody guesses, or leave it out")
+        fail(f"{TOKEN}: write at least 16 random letters and digits, or leave it out")
     studio = Studio(settings, token)
     app = studio.app()
     listening = socket.socket()
@@ -40,7 +40,7 @@ def serve(settings: Settings, port: int = 0, browser: bool = True) -> None:
         listening.bind(("127.0.0.1", port))
         listening.listen(128)  # whoever is quick waits until all is there
     except OSError as problem:
-        fail(f"--port {port}: {problem.strerror}; leave it out, and a free one is taken")
+        fail(f"--port {port}: {problem.strerror}; leave it out to take a free one")
     app.port = int(listening.getsockname()[1])
     address = f"http://127.0.0.1:{app.port}/{studio.token}/"
     say(f"The studio is at  {address}\nIt serves the folder {studio.folder.path} to this machine only. Ctrl-C ends it.")

@@ -95,7 +95,7 @@ def case_of(dataset: xr.Dataset, row: int, allow: Callable[[Scenario], None], fo
     sweep = Sweep(**json.loads(str(dataset.attrs["sweep"])))
     plan = checked_plan(loads(str(dataset.attrs["scenario"]), "the sweep"), sweep, allow, folder)
     if len(plan.rows) != dataset["outcome"].size:
-        raise RopewalkError("this file holds a part of its sweep only; open the whole one")
+        raise RopewalkError("this file contains a part of its sweep; open the complete file")
     if not 0 <= row < len(plan.rows):
         raise RopewalkError(f"case {row}: there is no such case")
     found = plan.rows[row]

@@ -101,7 +101,7 @@ class ComputingProcess:
         except RecursionError:
             found = {"error": "the blocks are nested too deeply"}
         except LookupError as error:
-            found = {"error": f"not understood: {error} is missing, or there is no such"}
+            found = {"error": f"invalid request: {error} is absent or unknown"}
         except Exception as error:
             found = {"error": f"ropewalk failed ({type(error).__name__}: {error}); this is a fault of ropewalk"}
         self._send(ticket, True, found if isinstance(found, bytes) else {"id": number, **found})
@@ -134,7 +134,7 @@ class ComputingProcess:
         for name, line in scenario.lines.items():
             if isinstance(elements := getattr(line, "elements", None), int) and elements > MOST_NODES:
                 remedy = f"use at most {MOST_NODES} in the studio"
-                raise ScenarioError([Problem(f"lines.{name}.elements", "is too much here", str(elements), remedy)])
+                raise ScenarioError([Problem(f"lines.{name}.elements", "is too large here", str(elements), remedy)])
 
     def _result(self, name: str) -> Path:
         return Folder(self._folder).file(name, RESULTS)
@@ -177,7 +177,7 @@ class ComputingProcess:
         from ropewalk.studio.streams import of_pose
 
         if self._dragging is None:
-            return {"error": "no scenario has been made ready"}
+            return {"error": "no scenario is loaded"}
         pose = self._dragging.posed(self._asked(asked))
         self._xi = pose.xi
         return of_pose(pose, self._dragging.attributes, {"id": asked["id"]})
@@ -185,7 +185,7 @@ class ComputingProcess:
     def _do_release(self, asked: Answer) -> Answer:
         """The motion of the load when it is let go where it was dragged to; not written to a file."""
         if self._dragging is None:
-            return {"error": "no scenario has been made ready"}
+            return {"error": "no scenario is loaded"}
         return self._run(asked, self._dragging.released(self._asked(asked), self._xi), None)
 
     def _bound_disk(self) -> None:
@@ -289,7 +289,7 @@ class ComputingProcess:
         stem = Path(str(asked.get("name") or "scenario.yaml")).stem
         file, store = folder.file(f"{stem}.sweep.nc", RESULTS), folder.file(f"{stem}.sweep.jsonl", (".jsonl",))
         if file.exists() and read(file) is None:
-            raise ResultError(f"{file.name}: is there already and is no sweep; it is left alone")
+            raise ResultError(f"{file.name}: exists already and is not a sweep; it is not overwritten")
         self._bound_disk()
         checked_plan(scenario, wished(scenario, None), self._allow, self._folder)
 

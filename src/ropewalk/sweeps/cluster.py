@@ -94,7 +94,7 @@ def _sent(
                 yield from zip(chunk, answers, strict=True)
     except (CommClosedError, FutureCancelledError, OSError) as error:
         raise RopewalkError(
-            f"the cluster has gone ({type(error).__name__}); with a store, the same call goes on where it was"
+            f"the cluster is lost ({type(error).__name__}); with a store, the same call continues the sweep"
         ) from None
     finally:
         if under_way:

@@ -79,7 +79,7 @@ def _one_at_a_time(parameters: Sequence[Parameter], written: Mapping[str, Any]) 
     """
     for parameter in parameters:
         if parameter.key not in written:
-            wrong = "is no single value that the scenario has, which one_at_a_time goes out from"
+            wrong = "has no single value in the scenario, which one_at_a_time requires"
             refuse(parameter.key, wrong, "", "write the value into the scenario, or combine: grid")
     usual = tuple(written[parameter.key] for parameter in parameters)
     return [usual, *((*usual[:k], value, *usual[k + 1 :]) for k, p in enumerate(parameters) for value in p.levels)]
@@ -97,9 +97,7 @@ def _for_effects(parameters: Sequence[Parameter], how: str, count: int, seed: in
         endless = parameter.drawn is not None and parameter.drawn.kind in ("normal", "lognormal")
         if how == "morris" and endless:
             remedy = "write uniform(LOW, HIGH), or combine: saltelli"
-            refuse(
-                parameter.key, "morris goes from the lowest to the highest value, of which this has none", "", remedy
-            )
+            refuse(parameter.key, "morris requires a lowest and a highest value, and this has none", "", remedy)
     return points(len(parameters), how, count, seed)
 
 

@@ -86,7 +86,7 @@ def finish(dataset: xr.Dataset, store: Path, outputs: list[Path], quiet: bool) -
     counts = counted(dataset)
     total, fine = sum(counts.values()), sum(counts.get(name, 0) for name in FINE)
     if dataset.attrs["outcome"] == "interrupted":
-        report = f"interrupted; {fine} of {total} cases are done and kept in {store}: the same command goes on there"
+        report = f"interrupted; {fine} of {total} cases are finished and kept in {store}: the same command continues it"
         partial = "".join(f"; {file} holds these" for file in outputs)
         fail(report + partial, INTERRUPTED)
     report = f"{total} cases: {', '.join(f'{number} {name}' for name, number in counts.items())}"
@@ -138,7 +138,7 @@ def table_text(dataset: xr.Dataset) -> str:
 
 
 def _records(frame: Any) -> list[dict[str, Any]]:
-    """The rows of a table; what is not there is None."""
+    """The rows of a table; None for absent parts."""
     return [
         {name: None if isinstance(value, float) and value != value else value for name, value in row.items()}
         for row in frame.to_dict(orient="records")

@@ -108,7 +108,7 @@ def sweep_table(dataset: xr.Dataset) -> pd.DataFrame:
         dataset: from `sweep`.
 
     Returns:
-        Columns of the parameters, the quantities, each that counts broken limits with their names beside it,
+        Columns of the parameters, the quantities, each that counts broken limits with their names next to it,
         `outcome`, `doubts`, `reason` and `seconds`.
     """
     quantities = [

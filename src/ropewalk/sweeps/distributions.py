@@ -12,7 +12,7 @@ _LEAST = 2.0**-53  # the part of values below which none is drawn: a normal quan
 
 @dataclass(frozen=True)
 class Kind:
-    """A family of distributions: what its two numbers are, what is wrong with them, its quantile."""
+    """A family of distributions: what its two numbers are, problems of them, its quantile."""
 
     form: str
     problem: Callable[[float, float], str]

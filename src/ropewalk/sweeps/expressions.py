@@ -86,7 +86,7 @@ def evaluated(text: str, value_of: Callable[[str], Amount]) -> str:
             raise
         raise Refused("this is no expression", _KNOWN) from None
     except (ArithmeticError, TypeError):
-        raise Refused("the expression has no finite value", "check what it divides by") from None
+        raise Refused("the expression has no finite value", "check its divisors") from None
     return amount.written()
 
 
@@ -214,7 +214,7 @@ def resolved(derived: Mapping[str, str], given: Mapping[str, Any], written: Mapp
         if not among:
             tails = {key.rpartition(".")[2] for key in everything}
             remedy = did_you_mean(name, [*everything, *tails], "write a key of the scenario, or its last parts")
-            raise Refused(f"nothing is called {name}", remedy)
+            raise Refused(f"unknown name {name}", remedy)
         if len(among) > 1:
             raise Refused(f"{name} may be {' or '.join(among[:4])}", "write more of the key")
         key = among[0]
@@ -228,7 +228,9 @@ def resolved(derived: Mapping[str, str], given: Mapping[str, Any], written: Mapp
 
     def computed(key: str) -> str:
         if key in under_way:
-            raise Refused(f"{' and '.join(dict.fromkeys(under_way))} follow from each other", "break the circle")
+            raise Refused(
+                f"{' and '.join(dict.fromkeys(under_way))} depend on each other", "remove the circular reference"
+            )
         if key not in found:
             under_way.append(key)
             found[key] = evaluated(derived[key], value_of)

@@ -168,7 +168,7 @@ def _broken(dataset: xr.Dataset, quantity: str) -> NDArray[Any]:
 
 
 def _name_limits(ax: Axes, x: NDArray[Any], y: NDArray[Any], texts: NDArray[Any], colour: Any) -> None:
-    """Write the names of broken limits beside a curve, where others are broken than at the value before."""
+    """Write the names of broken limits next to a curve, where others are broken than at the value before."""
     before = ""
     for at, value, text in zip(x, y, texts, strict=True):
         if text not in ("", before) and np.isfinite(value):
@@ -180,7 +180,7 @@ def _name_limits(ax: Axes, x: NDArray[Any], y: NDArray[Any], texts: NDArray[Any]
 
 
 def _broken_anywhere(dataset: xr.Dataset, quantity: str) -> str:
-    """All limits that some case breaks, for panels in which there is no room beside the points."""
+    """All limits that some case breaks, for panels in which there is no room next to the points."""
     names = dict.fromkeys(name for text in _broken(dataset, quantity).flat if text for name in text.split(SEPARATOR))
     return f"broken somewhere: {SEPARATOR.join(names)}" if names else ""
 

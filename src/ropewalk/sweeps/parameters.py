@@ -150,7 +150,7 @@ def _called(key: str, name: str, parts: list[str], text: str) -> Parameter:
         refuse(key, "no such values", repr(name), did_you_mean(name, known))
     if len(parts) != (3 if name in _SPACED else 2):
         what = "FROM, TO, COUNT" if name in _SPACED else DISTRIBUTIONS[name].form
-        refuse(key, "the arguments are not what it takes", text, f"write {name}({what})")
+        refuse(key, "the arguments do not match", text, f"write {name}({what})")
     read = [quantity(key, part) for part in parts]
     if name == "lognormal" and read[1][1]:
         refuse(key, "the deviation of a logarithm has no unit", parts[1], "write for example 0.1")

@@ -18,7 +18,7 @@ from ropewalk.sweeps.keys import leaves, overlap, short_names, unit_at
 from ropewalk.sweeps.parameters import Parameter, numbers, parameters_of, refuse, setting
 
 TEXT = ("outcome", "doubts", "reason", "seconds", "case")
-"""What a table tells beside parameters and quantities."""
+"""What a table tells next to parameters and quantities."""
 RESERVED = ("parameter", "quantity")
 """Names of dimensions over which the effects of parameters are told."""
 
@@ -117,7 +117,7 @@ def asked(
     count: int | None = None,
     seed: int | None = None,
 ) -> Sweep:
-    """What is asked of a sweep: what the scenario says of it, with what is given here in its place.
+    """Definition of a sweep: that of the scenario, with the given parts replaced.
 
     Raises:
         ScenarioError: nothing varies, or something does not go together.

@@ -128,7 +128,7 @@ def _pool(size: int) -> Iterator[ProcessPoolExecutor]:
                 try:
                     _submit(pool, os.getpid).result()
                 except BrokenProcessPool:
-                    if chance + 1 < BEGINNINGS:  # somebody may have killed it
+                    if chance + 1 < BEGINNINGS:  # it may have been killed
                         continue
                     raise RopewalkError(
                         "the processes that are to compute die as soon as they begin; a script must call this under  "

@@ -35,7 +35,7 @@ _AFTER = {
     "max": ("max", "maximum"), "min": ("min", "minimum"), "mean": ("mean",), "std": ("std", "deviation"),
 }  # fmt: skip
 _INTERVAL = "interval of "
-# What counts broken limits, and the text beside it that names them, in the entries of a summary that judge.
+# What counts broken limits, and the text next to it that names them, in the entries of a summary that judge.
 _COUNT, _NAMES, _JUDGED = "limits.failures", "limits.broken", frozenset({"pantographs"})
 _OF_ALL = {"contact_force": "contacts.*.force.magnitude"}
 _ALMOST = 0.9  # how much of a misprinted measure has to agree

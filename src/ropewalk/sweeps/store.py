@@ -67,7 +67,7 @@ class Store:
         if self._handle < 0 or os.fstat(self._handle).st_size <= self._read_to:
             return
         data = _read(self._handle, self._read_to)
-        data = data[: data.rfind(b"\n") + 1]  # somebody may be writing
+        data = data[: data.rfind(b"\n") + 1]  # another process may be writing
         for line in data.splitlines():
             self._lines += 1
             try:
@@ -121,7 +121,7 @@ class Store:
         elif first != _HEAD:
             same = first.startswith(_HEAD[: _HEAD.index(b",")])
             what = "was written in another version of the format" if same else "exists and is no store of a sweep"
-            raise ResultError(f"{self.file}: {what}; it is left alone, choose another name")
+            raise ResultError(f"{self.file}: {what}; it is not overwritten, choose another name")
         else:
             self._cut()
 
@@ -136,7 +136,7 @@ class Store:
         try:
             written = os.write(self._handle, line)
             if written < len(line):
-                raise OSError(28, "no room is left")
+                raise OSError(28, "no space is left")
         except OSError as error:
             raise WriteError(
                 f"{self.file}: cannot be written ({error.strerror}); free some space, and run the same command again"

@@ -39,7 +39,7 @@ def sweep(
 ) -> xr.Dataset:
     """Run a scenario many times with other values, and answer with one dataset over the parameters.
 
-    What is not given is what the scenario's `sweep` says. A script must call this under `if __name__ == "__main__":`,
+    An omitted value is what the scenario's `sweep` says. A script must call this under `if __name__ == "__main__":`,
     as for all processes in Python. An interrupt (Ctrl-C) ends it with what there is.
 
     Args:

@@ -10,7 +10,7 @@ import numpy as np
 from ropewalk.mechanics.chain import Array
 
 SWINGS = {
-    "least": "least value of a quantity while this parameter alone goes through its values",
+    "least": "least value of a quantity while only this parameter varies",
     "largest": "largest value of it",
 }
 """Names of what is told, with what they are."""

@@ -54,7 +54,7 @@ def read(file: Path) -> xr.Dataset | None:
                 return None
         return xr.load_dataset(file, engine="netcdf4")
     except (OSError, RuntimeError, ValueError):
-        return None  # who reads results says what is wrong with it
+        return None  # the reader of results reports it
 
 
 def write(dataset: xr.Dataset, file: Path) -> None:

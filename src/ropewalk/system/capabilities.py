@@ -67,7 +67,7 @@ def _overhead(parts: Parts) -> Iterator[Finding]:
     if isinstance(run, Linear):
         yield from _overhead_in_modes(parts)
     elif run.start.kind == "result":
-        yield missing(("run", "start", "kind"), what, run.start.kind, "start at rest, or from a mode")
+        yield missing(("run", "start", "kind"), what, run.start.kind, "start from equilibrium, or from a mode")
     for name, line in parts.overhead.items():
         if line is None:
             continue
@@ -87,12 +87,12 @@ def _overhead_in_modes(parts: Parts) -> Iterator[Finding]:
     for name, line in parts.overhead.items():
         for key in ("strength", "cut"):
             if line is not None and getattr(line.droppers, key) is not None:
-                wrong = "a line whose droppers fail has other modes afterwards: nothing is superposed"
+                wrong = "a line has other modes after a dropper fails: no superposition"
                 path, remedy = ("overhead_lines", name, "droppers", key), f"leave {key} out, or {_DYNAMIC}"
                 yield Finding(path, wrong, remedy=remedy)
     for name, load in parts.loads.items():
         if isinstance(load, Pantograph) and load.on in parts.overhead and len(course_of(parts.overhead, load.on)) > 1:
-            wrong = "a pantograph goes over from one contact wire to the next, and leaves the one behind"
+            wrong = "a pantograph passes from one contact wire to the next, and leaves the first"
             remedy = f"{_DYNAMIC}, or leave overlap out"
             yield Finding(("loads", name, "on"), wrong, load.on, remedy)
 
@@ -143,7 +143,7 @@ def _of_cuts(name: str, line: Line, run: object) -> Iterator[Finding]:
         yield missing(path, "all but motions", "a block", _DYNAMIC, feature="a cut")
         return
     if run.start.kind == "result":
-        remedy = "start at rest, or from a mode"
+        remedy = "start from equilibrium, or from a mode"
         yield missing(path, "runs that begin from a result", "a block", remedy, feature="a cut")
     if run.geometry == "linearised":
         yield missing(("run", "geometry"), what, "linearised", "write geometry: nonlinear")
@@ -159,7 +159,7 @@ def _of_winches(name: str, line: Line, run: object) -> Iterator[Finding]:
             yield Finding(path, "a winch that stands within its dead band is no linear spring", "a block", remedy)
         winch = getattr(getattr(line, end), "winch", None)
         if isinstance(run, Quasistatic) and winch is not None and winch.dead_band:
-            wrong = "within its dead band a winch stands anywhere, as what came before has left it"
+            wrong = "within its dead band the position of a winch depends on the history"
             yield Finding((*path, "dead_band"), wrong, f"{winch.dead_band:g} N", f"leave dead_band out, or {_DYNAMIC}")
         if isinstance(run, Dynamic):
             yield from _by_steps(run, "lines that a winch pulls at")
@@ -168,7 +168,7 @@ def _of_winches(name: str, line: Line, run: object) -> Iterator[Finding]:
 def _of_hysteresis(name: str, line: Line, run: object) -> Iterator[Finding]:
     """A first equilibrium is on the curve of loading; from there on it is the history of strain that decides."""
     path, what = ("lines", name, "hysteresis"), "lines with hysteresis"
-    two = "has no small motion: where loading turns into unloading, the line is stiffer"
+    two = "has no linearised motion: the stiffness differs between loading and unloading"
     if line.sheaves:
         yield missing(("lines", name, "sheaves"), what, remedy="end the line at the sheave, or leave hysteresis out")
     if isinstance(run, Linear):
@@ -176,7 +176,7 @@ def _of_hysteresis(name: str, line: Line, run: object) -> Iterator[Finding]:
     if not isinstance(run, Dynamic):
         return
     if run.start.kind == "result":  # which does not hold how far its links have been let off
-        yield missing(path, "runs that begin from a result", "a block", "start at rest", feature="hysteresis")
+        yield missing(path, "runs that begin from a result", "a block", "start from equilibrium", feature="hysteresis")
     if run.geometry == "linearised":
         yield Finding(path, two, "a block", "leave it out, or write geometry: nonlinear")
     yield from () if run.geometry == "linearised" else _all_of_it(run, what, inertia=True)
@@ -207,7 +207,7 @@ def _over_saddles(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
     if isinstance(run, Dynamic) and run.start.kind == "result":
         for saddle, own in line.saddles.items():
             if not isinstance(own.support, Fixed):  # results do not hold where it stands
-                path, remedy = ("lines", name, "saddles", saddle, "support"), "start at rest, or let saddles stand fast"
+                path, remedy = ("lines", name, "saddles", saddle, "support"), "start from equilibrium, or fix saddles"
                 yield missing(path, "runs that begin from a result", own.support.kind, remedy)
 
 
@@ -308,7 +308,7 @@ def _in_a_window(parts: Parts) -> Iterator[Finding]:
     if run.start.kind != "rest":
         yield missing(path, _SYSTEM, given, remedy, feature=f"a window with start.kind: {run.start.kind}")
     if parts.wind is not None and not parts.wind.is_calm:
-        yield Finding(path, "wind moves all of a line, not only what is near a load", given, remedy)
+        yield Finding(path, "wind moves the whole line, not only its part near a load", given, remedy)
     for name, line in parts.lines.items():
         for key, support in (*line.ends(), *line.supports.items()) if line is not None else ():
             if isinstance(support, Moving):
@@ -363,7 +363,7 @@ def _of_tracks(parts: Parts) -> Iterator[Finding]:
             feature, remedy = "an inextensible line", "give it an axial_stiffness with law hooke"
             yield missing(("lines", other, "law", "kind"), what, "inextensible", remedy, feature=feature)
     if isinstance(run, Dynamic) and run.start.kind == "result":
-        feature, remedy = "a start from a result, which does not hold where sleepers are,", "start at rest"
+        feature, remedy = "a start from a result, which does not hold where sleepers are,", "start from equilibrium"
         yield missing(("run", "start", "kind"), what, run.start.kind, remedy, feature=feature)
 
 
@@ -408,7 +408,7 @@ MOTION = Capabilities(
 )
 AT_REST = replace(
     MOTION,
-    what=f"{_SYSTEM}, at rest or quasi-static",
+    what=f"{_SYSTEM}, equilibria or quasi-static runs",
     only={
         **MOTION.only,
         "run.kind": ("quasistatic", "equilibrium"),

@@ -37,15 +37,15 @@ def over_sheaves(name: str, line: Line, parts: Parts) -> Iterator[Finding]:
             if wheel.to is not None and not _ends_at(wheel.to, parts):
                 path, remedy = (
                     ("lines", name, "sheaves", sheave, "to"),
-                    f"start at rest, or let a line end at {wheel.to}",
+                    f"start from equilibrium, or let a line end at {wheel.to}",
                 )
-                feature = "a sheave on a joint at which no line ends, whose place results do not hold,"
+                feature = "a sheave on a joint at which no line ends, not stored in results,"
                 yield missing(path, "runs that begin from a result", wheel.to, remedy, feature=feature)
 
 
 def beside_sheaves(parts: Parts) -> Iterator[Finding]:
     """At rest lines are divided at their sheaves, and where loads stand."""
-    what = "lines over sheaves at rest"
+    what = "equilibria of lines over sheaves"
     if isinstance(parts.run, Dynamic | Linear) or not parts.runs_over_sheaves:
         return
     for name, load in parts.loads.items():

@@ -25,7 +25,7 @@ from ropewalk.model.support import Moving
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.walker import Walker
 
-_MOTION = "motions of lines, networks and nets together with what they carry"
+_MOTION = "motions of lines, networks and nets together with their loads"
 
 
 def of_methods(parts: Parts) -> Iterator[Finding]:
@@ -53,7 +53,7 @@ def first_damper(parts: Parts) -> str | None:
     if parts.is_airy:
         return "wind"
     if parts.runs_over_sheaves:
-        return "lines over sheaves, whose nodes pass"
+        return "lines with nodes that pass sheaves"
     if any(line is not None and line.hysteresis is not None for line in parts.lines.values()):
         return "hysteresis"
     for part in (*parts.lines.values(), *parts.nets.values()):
@@ -87,7 +87,7 @@ def _not_smooth(parts: Parts) -> Iterator[tuple[str, str]]:
                 what = f"dry friction on saddles ({name}.{saddle}), which jumps as nodes begin and end to slip,"
                 yield what, "give saddles no friction"
     if parts.has_hoists:  # springs that change in time
-        yield "a payload whose rope is taken in", "leave hoist out"
+        yield "a payload with a rope of variable length", "leave hoist out"
     for line in parts.lines.values():
         ends = () if line is None or not isinstance(line.law, Inextensible) else line.ends()
         if any(isinstance(support, Moving) for _, support in ends):  # whose speed jumps, and all with it

@@ -21,7 +21,7 @@ def of_several_lines(parts: Parts) -> Iterator[Finding]:
         if not isinstance(load, Trolley) or not load.also_on:
             continue
         if load.lift_off:
-            yield missing(("loads", name, "lift_off"), _WHAT, "true", "leave it out: what draws a line up is doubted")
+            yield missing(("loads", name, "lift_off"), _WHAT, "true", "leave it out: lifting makes the run doubtful")
         for key in load.lines:
             line = parts.lines.get(key)
             for block in ("sheaves", "cut") if line is not None else ():
@@ -31,7 +31,7 @@ def of_several_lines(parts: Parts) -> Iterator[Finding]:
                 remedy = "give an axial_stiffness with law hooke"
                 yield missing(("lines", key, "law", "kind"), _WHAT, "inextensible", remedy)
         if not isinstance(run, Dynamic):
-            remedy = "ask for kind: dynamic with start: {with_loads: true}, whose first instant is the rest"
+            remedy = "write kind: dynamic with start: {with_loads: true}; its first instant is the equilibrium"
             yield missing(
                 ("loads", name, "also_on"), "all but motions", remedy=remedy, feature="a load on several lines"
             )

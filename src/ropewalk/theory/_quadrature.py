@@ -14,7 +14,7 @@ Integrand = Callable[[FloatArray], NDArray[np.complexfloating[Any, Any]]]  # (n,
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(10)
 CHUNK = 200_000  # numbers held at once
 ROUNDING = 1e-15  # of the whole: what halving a panel cannot improve
-MOST_HALVINGS, MOST_PANELS = 40, 50_000  # then what is left counts as error
+MOST_HALVINGS, MOST_PANELS = 40, 50_000  # then the remainder counts as error
 
 
 def adaptive(

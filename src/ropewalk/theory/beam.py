@@ -303,7 +303,7 @@ def _combine(x: FloatArray, t: FloatArray, count: int, shapes: Coordinates, coor
         return np.concatenate([np.sum(shapes(a) * coordinates(b), axis=-1) for a, b in rows]).reshape(x.shape)
     shape = shapes(x.ravel()).T
     table = np.concatenate([coordinates(b) @ shape for b in _blocks(t.ravel(), count)]).reshape(t.shape + x.shape)
-    for axis in range(rank):  # bring each axis of t beside its partner of x, one of which has length 1
+    for axis in range(rank):  # bring each axis of t next to its partner of x, one of which has length 1
         table = np.moveaxis(table, rank + axis, 2 * axis + 1)
     return table.reshape(np.broadcast_shapes(x.shape, t.shape))
 

@@ -14,7 +14,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Vehicle:
-    """A linear multi-body vehicle; its wheels follow the beam, or level ground beside it.
+    """A linear multi-body vehicle; its wheels follow the beam, or level ground next to it.
 
     ``mass``, ``damping`` and ``stiffness`` are symmetric matrices over all coordinates, **bodies first, then one
     coordinate per wheel**, counted downwards from the state of rest on level ground; the mass matrix of the bodies must

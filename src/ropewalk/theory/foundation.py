@@ -285,7 +285,7 @@ class _Polynomial:
         return lead, r[ahead], r[~ahead]
 
     def _refuse_critical(self, q: ComplexArray) -> None:
-        """A double root on or beside the real axis belongs to both sides; pairs that decay on one side may meet."""
+        """A double root on or next to the real axis belongs to both sides; pairs that decay on one side may meet."""
         size = np.max(np.abs(q), initial=1e-300)
         facing = np.abs(q.imag) < CLOSE * size
         gaps = np.abs(q[:, np.newaxis] - q) + np.diag(np.full(len(q), np.inf))

@@ -28,8 +28,8 @@ class Locus:
     tension_behind: FloatArray  # N
     tension_ahead: FloatArray  # N
     hold: FloatArray  # force along x that holds the load, on the rope, beyond the given force, N
-    turning_angle: FloatArray  # by which the rope turns at the load, rad; 0 beside a slack piece
-    slope: FloatArray  # dz/dx of the mean t_behind + t_ahead of the tangents; of the taut piece beside a slack one
+    turning_angle: FloatArray  # by which the rope turns at the load, rad; 0 next to a slack piece
+    slope: FloatArray  # dz/dx of the mean t_behind + t_ahead of the tangents; of the taut piece next to a slack one
 
 
 def ellipse(*, span: float, height: float = 0.0, length: float, load: ArrayLike, x: ArrayLike) -> Locus:

@@ -302,7 +302,7 @@ def circle_patch_load(r: ArrayLike, *, patch: float, force: float, radius: float
     """Return the static deflection of a circle under a load uniform on a concentric disc, in m, shape of ``r``.
 
     ``patch`` is the radius of the disc in m, positive and at most ``radius``; the rest as in `circle_ring_load`.
-    ``F/(2 pi N) ln(R/r)`` beside the patch, ``F/(2 pi N) (ln(R/c) + (1 - r^2/c^2)/2)`` on it; 1/4 instead of the last
+    ``F/(2 pi N) ln(R/r)`` next to the patch, ``F/(2 pi N) (ln(R/c) + (1 - r^2/c^2)/2)`` on it; 1/4 instead of the last
     term is its mean there.
     """
     r = _circle(r, patch, force, radius, tension)

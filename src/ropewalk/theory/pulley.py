@@ -52,7 +52,7 @@ def resting(
     reach, or on an elastic rope too near to a support, where the load slips off for any hold force.
     """
     if "held" in before:
-        warn("held is called restrained now; the old name goes with the next release", DeprecationWarning, stacklevel=2)
+        warn("held was renamed to restrained; it will be removed in the next release", DeprecationWarning, stacklevel=2)
         restrained = before.pop("held")
     if before:
         raise TypeError(f"resting() got an unexpected keyword argument {next(iter(before))!r}")
@@ -158,7 +158,7 @@ class _Rope:
         return RestingRope(self.weight, self.compliance, np.concatenate([[0.0], xi, [self.length]]), nodes, force)
 
     def clamped(self, places: FloatArray, forces: FloatArray, free: np.ndarray) -> tuple[FloatArray, FloatArray]:
-        """A start for loads at material points: no hold forces yet, and what is left of the tension equations."""
+        """A start for loads at material points: no hold forces yet, and the remainder of the tension equations."""
         k = len(places)
         if self.weight == 0.0 and k == 1 and free[0]:
             return self._balanced_on_circles(float(places[0]), -float(forces[0, 1])), np.zeros(1)

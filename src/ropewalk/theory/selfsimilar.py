@@ -42,8 +42,8 @@ class SelfSimilarWave:
     axial_stiffness: float  # EA, N
     mass: float  # kg per unstrained metre
     prestrain: float
-    strain: Pair  # beside the contact
-    angle: Pair  # of the string beside the contact, rad: rise behind, fall ahead, with the force
+    strain: Pair  # next to the contact
+    angle: Pair  # of the string next to the contact, rad: rise behind, fall ahead, with the force
     force: Pair  # (Fx, Fz) on the string, N
 
     @property
@@ -224,7 +224,7 @@ def _require_own_kind(wave: SelfSimilarWave) -> None:
 
 @dataclass(frozen=True)
 class _Sides:
-    """Velocities and r_xi beside the contact, (x, z), in units of c_l; complex in the derivatives."""
+    """Velocities and r_xi next to the contact, (x, z), in units of c_l; complex in the derivatives."""
 
     v_behind: NDArray[np.inexact]
     v_ahead: NDArray[np.inexact]

@@ -51,7 +51,7 @@ lines:
 
 
 def motion(until: float, every: float) -> str:
-    """Small motion."""
+    """Linearised motion."""
     return f"run: {{kind: dynamic, geometry: linearised, until: {until!r}, every: {every!r}}}\n"
 
 
@@ -261,7 +261,7 @@ CASES = (
             KnownNumber("deflection", "deflection under the force, F (k/(4 EI))^(1/4)/(2 k)", "m", "closed form",
                 lambda: 1e5 * (5e6 / (4.0 * 10e6)) ** 0.25 / (2.0 * 5e6), lambda r: deflection(r, 20.0),
                 "second order of links of 0.125 m; 20 m on each side instead of endless", relative=2e-3),
-            KnownNumber("rise", "rise 5 m beside the force", "m", "closed form",
+            KnownNumber("rise", "rise 5 m next to the force", "m", "closed form",
                 lambda: -float(foundation.steady_state(5.0, force=1e5, speed=0.0, **STILL)),
                 lambda r: -deflection(r, 25.0), "as above", relative=5e-3),
         ),

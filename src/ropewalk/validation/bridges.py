@@ -105,7 +105,7 @@ CASES = (
         (
             KnownNumber("deflection", "largest deflection at midspan", "m", "series", lambda: train(90.0),
                 lambda r: of_line(r, "midspan", "deflection"),
-                "0.01 Hz beside the frequency count at 1 % of damping", relative=8e-3),
+                "0.01 Hz next to the frequency count at 1 % of damping", relative=8e-3),
         ),
         settings=("loads.train.travel.speed=324 km/h",), fault=("loads.train.travel.speed=315 km/h",),
     ),

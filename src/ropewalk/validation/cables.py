@@ -168,7 +168,7 @@ CASES = (
         (
             KnownNumber("sag", "largest depth below the chord", "m", "closed form",
                 lambda: exact().sag, below_the_chord,
-                "second order of 100 links, and the nodes beside the lowest place", relative=2e-4),
+                "second order of 100 links, and the nodes next to the lowest place", relative=2e-4),
             KnownNumber("horizontal", "horizontal tension", "N", "closed form", lambda: exact().horizontal_tension,
                 lambda r: reaction(r, 1, "x"), "second order of 100 links", relative=2e-4, order=1.8),
             KnownNumber("lifted", "vertical reaction at the upper end", "N", "closed form",

@@ -17,7 +17,7 @@ def judged(case: KnownCase, names: Iterable[str], settings: Iterable[str] = ()) 
     """Compute a case, and compare rows of it; whatever goes wrong is told by them.
 
     Args:
-        case: what is computed.
+        case: the scenario.
         names: of the rows.
         settings: more settings of the scenario, to see the rows fail.
     """

@@ -39,7 +39,7 @@ class KnownCase:
 
     Args:
         id: by which its rows are chosen, ID.NAME.
-        what: what is computed.
+        what: the scenario.
         source: where its numbers are from.
         scenario: text of the scenario, or the function that gives it.
         rows: its numbers.

@@ -54,7 +54,7 @@ def box(name: str, column: int) -> KnownNumber:
 
 
 def sag_in_the_gap(result: Any) -> float:
-    """How much lower than beside it the contact wire hangs in the gap of the missing dropper, m."""
+    """How much lower than next to it the contact wire hangs in the gap of the missing dropper, m."""
     place = result.position.isel(time=0, node=np.flatnonzero(result.line.values == "line.contact")).values
     low, middle, high = np.interp([323.5, 330.0, 336.5], place[:, 0], place[:, -1])
     return 0.5 * float(low + high) - float(middle)

@@ -108,7 +108,7 @@ CASES = (
         "program-exudyn", "A trolley on a track rope: kind vehicle against Exudyn",
         Publication("J. Gerstmayr, Exudyn - a C++-based Python package for flexible multibody systems, Multibody "
                     "Syst. Dyn. "
-               "(2023); run beside ours", "author, year and the repository jgerstmayr/EXUDYN; the title from memory"),
+               "(2023); run as well", "author, year and the repository jgerstmayr/EXUDYN; the title from memory"),
         OWN,
         (
             KnownNumber("force", "largest force of a "

@@ -20,7 +20,7 @@ FRYBA = Publication(
 )
 STRETCH = 1.001
 """Of the strings of 1 m, 1 N, 1 kg/m, EA = 1 kN: in the material coordinate they have the length 1/1.001 m and the
-tension 1/1.001 N, exactly, for small motion."""
+tension 1/1.001 N, exactly, for linearised motion."""
 LENGTH, TENSION = 1.0 / STRETCH, 1.0 / STRETCH
 WAVE = float(np.sqrt(TENSION))
 UNIT: dict[str, Any] = {"length": LENGTH, "tension": TENSION, "mass": 1.0}
@@ -63,7 +63,7 @@ def force_case(name: str, what: str, alpha: float, passages: float, **more: floa
 
 
 WEIGHT = 1e-5
-"""N per kg: so small beside the tension that the motion is linear."""
+"""N per kg: so small compared with the tension that the motion is linear."""
 
 
 def passing(load: str, alpha: float = 0.5, part: float = 0.9) -> str:

@@ -93,7 +93,7 @@ class Bearing:
                     position, tuple(locations), station, np.where(touches, force, 0.0), height + local * force,
                     touches & inside, found.coordinates(height), self.potential.tie_forces(position, failed),
                 )  # fmt: skip
-        raise EquilibriumError("no places were found at which the loads stand: the line gives way below them")
+        raise EquilibriumError("the positions of the loads have not converged: the line is too flexible")
 
     def stations(self, t: float) -> Array:
         """Stations of all contacts at an instant in s, (contact,) m."""

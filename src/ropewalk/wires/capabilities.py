@@ -67,7 +67,7 @@ def _of_the_run(parts: Parts) -> Iterator[Finding]:
         remedy = "write step, or window: auto" if parts.overhead else "write step, or leave accuracy out"
         yield missing(("run", "accuracy"), _BEAMS, f"{run.accuracy:g} m", remedy)
     if run.window is not None and run.start.kind != "rest":  # which moves what is far from the contacts, too
-        feature, remedy = f"a window with start.kind: {run.start.kind}", "leave window out, or start at rest"
+        feature, remedy = f"a window with start.kind: {run.start.kind}", "leave window out, or start from equilibrium"
         yield missing(("run", "window"), _BEAMS, run.written_window, remedy, feature=feature)
     if (every := every_of(run)) > _LONGEST:
         what = "is too long: contact forces of every millisecond in between are kept"
@@ -93,7 +93,9 @@ def _on_inner_supports(parts: Parts) -> Iterator[Finding]:
             if mass := getattr(support, "mass", 0.0):
                 remedy = "leave it out, or ask for kind: dynamic with geometry: nonlinear"
                 path, feature = ("lines", name, "supports", key, "mass"), "a mass on an inner support"
-                yield missing(path, "small motion, rest and spectrum of beams", f"{mass:g} kg", remedy, feature=feature)
+                yield missing(
+                    path, "statics, spectrum and linearisation of beams", f"{mass:g} kg", remedy, feature=feature
+                )
 
 
 MOTION = Capabilities(
@@ -128,7 +130,7 @@ MOTION = Capabilities(
 )
 AT_REST = replace(
     MOTION,
-    what="beams, lines on foundations and overhead lines at rest or quasi-static",
+    what="equilibria and quasi-static runs of beams, lines on foundations and overhead lines",
     only={**MOTION.only, "run.accuracy": (None,), "loads.kind": _AT_REST},
     instead={**MOTION.instead, "loads.kind": "ask for kind: dynamic, or write kind: force with its weight as force"},
 )

@@ -113,7 +113,7 @@ class Wires:
         if run_info.step > self._stable * (1.0 + 1e-9):
             run_info.warnings.append(
                 f"the step of {run_info.step:.3g} s is larger than {self._stable:.3g} s, up to which the motion is "
-                "stable: it may swing without reason even where it does not grow beyond all bounds; write a smaller "
+                "stable: spurious vibrations are possible even if they do not grow without bounds; write a smaller "
                 "run.step, or leave it out"
             )
         inner = _parts(run_info.step, along)
@@ -127,7 +127,9 @@ class Wires:
                 inner, task.inertia, space=task.space, window=task.window, hold_at_rest=self._hold_forces(potential),
             )  # fmt: skip
         else:
-            run_info.reason = "Stoermer's method for small vertical motion about rest, with constant tensions"
+            run_info.reason = (
+                "Stoermer's method for vertical motion linearised about equilibrium, with constant tensions"
+            )
             self._doubt_sag(start.rest)
             self.motion = SmallMotion(
                 self.mesh, start.rest, self.moving_loads, run_info.step, self._first("first"), task.window
@@ -208,16 +210,16 @@ class Wires:
             self._width = width
             self.motion.set_window(width)
         self._refuse_what_tears_at_rest()
-        back = "no wave comes back"
+        back = "no wave returns from its boundaries"
         if np.isfinite(returns):
-            back = f"from whose borders waves come back after {width * returns:.3g} s"
+            back = f"waves return from its boundaries after {width * returns:.3g} s"
         moves = f"{width:g} m around contacts move, {back}" if np.isfinite(width) else "all moves"
         run_info.reason += f"; {moves}"
         if error is not None:
             run_info.window = {"window": width, "window_height_error": error.height, "window_force_error": error.force}
             run_info.reason += (
-                f"; beside the whole line this is estimated to miss {1e3 * error.height:.2g} mm under contacts, "
-                f"and {error.force:.2g} N of their forces up to 20 Hz, rms"
+                f"; estimated difference from the whole line: {1e3 * error.height:.2g} mm under contacts, and "
+                f"{error.force:.2g} N of their forces up to 20 Hz, rms"
             )
 
     def _refuse_what_tears_at_rest(self) -> None:
@@ -227,8 +229,8 @@ class Wires:
         if torn:
             worst = max(torn, key=lambda i: float(force[i] / ties[i].strength))
             raise EquilibriumError(
-                f"run.window: {len(torn)} droppers bear more than their strength of {ties[worst].strength:g} N at "
-                f"rest, {ties[worst].name} {force[worst]:.4g} N: they tear at once, and beyond a window nothing "
+                f"run.window: {len(torn)} droppers bear more than their strength of {ties[worst].strength:g} N in "
+                f"equilibrium, {ties[worst].name} {force[worst]:.4g} N: they tear at once, and beyond a window nothing "
                 "moves that could take over; leave run.window out, or give a larger strength"
             )
 
@@ -239,8 +241,8 @@ class Wires:
             depth = float(sag[self.mesh.of(i)].max())
             if depth > _SHALLOW * wire.chord:
                 self.run_info.doubt(
-                    f"at rest {wire.name} hangs {depth:.3g} m through over {wire.chord:.3g} m",
-                    "small motion knows no tension that grows with the sag", "run.geometry",
+                    f"in equilibrium {wire.name} sags {depth:.3g} m over a span of {wire.chord:.3g} m",
+                    "linearised motion neglects the increase of tension with sag", "run.geometry",
                     "write geometry: nonlinear, or give tension",
                 )  # fmt: skip
 
@@ -438,11 +440,11 @@ class Wires:
         return bool(max(float(np.abs(motion.level + places - rest[2]).max()), aside) < self._escaped)
 
     def _advice(self, t: float) -> str:
-        what = f"after t = {t:.6g} s the motion grew beyond all bounds; "
+        what = f"after t = {t:.6g} s the motion became unstable; "
         if self.run_info.step > self._stable:
             what += f"its step of {self.run_info.step:.3g} s is larger than the stable one of {self._stable:.3g} s: "
             return what + "write a smaller run.step, or leave it out"
-        return what + "write a smaller run.step, and check masses, stiffnesses and what travels"
+        return what + "write a smaller run.step, and check masses, stiffnesses and loads"
 
     def holds_at_first(self) -> Array:
         """Forces of all holds on their wires at the beginning, (hold, 3) N."""

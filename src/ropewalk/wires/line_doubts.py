@@ -86,8 +86,8 @@ class LineDoubts:
                 if section := wire.rpartition(".")[0]:
                     key, remedy = f"overhead_lines.{section}.contact_wire.tension", "give more of it, or a lighter load"
                 self._run_info.doubt(
-                    f"load {name} rides where {wire} slopes by {slope:.2g}, at t = {frame.path:.4g} s",
-                    "on such lines a load moves up and down only, its inertia along them is left out",
+                    f"load {name} moves where {wire} has a slope of {slope:.2g}, at t = {frame.path:.4g} s",
+                    "on such lines the longitudinal inertia of a load is neglected",
                     key,
                     remedy,
                 )
@@ -97,7 +97,7 @@ class LineDoubts:
             if pushed > most and wire_.name not in self._pushed:
                 self._pushed.add(wire_.name)
                 self._run_info.doubt(
-                    f"{wire_.name} is pushed together with {pushed:.4g} N at t = {frame.path:.4g} s",
+                    f"{wire_.name} is compressed by {pushed:.4g} N at t = {frame.path:.4g} s",
                     f"between two nodes it bears {borne:.4g} N and buckles beyond, into waves that no mesh resolves",
                     f"lines.{wire_.name}.bending_stiffness",
                     "leave it out and write law: {kind: tension_only}, or give more drag",

@@ -159,7 +159,7 @@ def _solve(
         warnings.simplefilter("ignore", scipy.sparse.linalg.MatrixRankWarning)  # told below
         found = scipy.sparse.linalg.spsolve(system, np.concatenate([load[free], gap]))
     if not np.isfinite(found).all():
-        raise EquilibriumError("the wires have no rest shape: something is not held; check supports and droppers")
+        raise EquilibriumError("the wires have no equilibrium: a wire is not supported; check supports and droppers")
     z[free] = found[: found.size - k]
     return z, found[found.size - k :]
 
@@ -205,7 +205,8 @@ def rest_of(mesh: Mesh) -> WiresAtRest:
             break
     else:
         raise EquilibriumError(
-            "the droppers find no rest between tight and slack; check their lengths, or give them a little `pushes`"
+            "the states of the droppers (tight or slack) do not converge; check their lengths, or give them a little "
+            "`pushes`"
         )
     position[2] = z
     lift = holds.force[:, 2] + stiff * (holds.place[:, 2] - H @ z)

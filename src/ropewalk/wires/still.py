@@ -77,8 +77,8 @@ class WireStatics:
         for tie in self.task.plan.ties:
             if until < tie.fails_at < np.inf:
                 self.run_info.warnings.append(
-                    f"{tie.name} is cut at t = {tie.fails_at:.4g} s, and bears here: "
-                    f"{'this is the rest at t = 0' if not until else f'the load has come to its end at {until:.4g} s'}"
+                    f"{tie.name} is cut at t = {tie.fails_at:.4g} s, and is intact here: "
+                    f"{'this equilibrium is at t = 0' if not until else f'the load ends at {until:.4g} s'}"
                 )
 
     def _tell_of_failures(self, found: BorneByTheRest, where: str) -> None:
@@ -86,8 +86,8 @@ class WireStatics:
         new, ties = found.failures[self._noted :], self.task.plan.ties
         if new and not self._noted:
             self.run_info.warnings.append(
-                "what others take over from ties that fail comes on them slowly here; "
-                "in kind: dynamic it does with a jerk, under which more may fail"
+                "the force of failed ties is redistributed quasi-statically here; with kind: dynamic it is "
+                "redistributed suddenly, and more ties may fail"
             )
         self.run_info.warnings += [f"{where} {ties[each.tie].name} failed under {each.force:.4g} N" for each in new]
         self._noted += len(new)

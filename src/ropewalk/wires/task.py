@@ -153,19 +153,20 @@ def _linearised(task: WireTask) -> WireStart:
     for wire in task.plan.wires:
         if wire.tension <= 0.0 and not wire.bending_stiffness:
             raise EquilibriumError(
-                f"{wire.name} is slack, and small motion needs a tension: write geometry: nonlinear, or give tension"
+                f"{wire.name} is slack, and linearised motion requires a tension: write geometry: nonlinear, or give "
+                "tension"
             )
     for hold in task.plan.holds:
         if hold.moved is not None and np.ptp(hold.moved.value[0]) > 0.0:
             raise EquilibriumError(
-                f"{hold.name} moves along x, and small motion has constant tensions: write geometry: nonlinear"
+                f"{hold.name} moves along x, and linearised motion has constant tensions: write geometry: nonlinear"
             )
     mesh = mesh_of(task.plan, task.element, small=True)
     for i, wire in enumerate(task.plan.wires):
         if wire.tension < 0.0 and not _bears(mesh, i):
             raise EquilibriumError(
-                f"{wire.name} buckles under its compression of {-wire.tension:.4g} N, and small motion is about a "
-                "straight line: write geometry: nonlinear, or give tension"
+                f"{wire.name} buckles under its compression of {-wire.tension:.4g} N, and linearised motion is about "
+                "a straight line: write geometry: nonlinear, or give tension"
             )
     rest = rest_of(mesh)
     return WireStart(mesh, rest.position, hung(mesh, rest.position), rest)

@@ -58,7 +58,7 @@ def rectangle(sides: tuple[float, float], cells: tuple[int, int]) -> Surface:
     if not all(np.isfinite(side) and side > 0.0 for side in sides):
         raise ValueError(f"the sides of a rectangle must be finite and positive, not {sides}")
     if not all(int(count) == count and count >= 1 for count in cells):
-        raise ValueError(f"a rectangle needs whole numbers of cells, at least 1 each way, not {cells}")
+        raise ValueError(f"a rectangle needs whole numbers of cells, at least 1 along each side, not {cells}")
     m, n = int(cells[0]), int(cells[1])
     _check_number((m + 1) * (n + 1), "use fewer cells")
     u, v = sides[0] * np.arange(m + 1) / m, sides[1] * np.arange(n + 1) / n
@@ -103,7 +103,7 @@ def polygon(points: ArrayLike, spacing: float) -> Surface:
     if not len(inner):
         raise ValueError(
             f"a spacing of {spacing:g} m is too large for an outline of {extent[0]:g} m x {extent[1]:g} m: "
-            "no vertex has room inside; use a smaller one"
+            "no vertex fits inside; use a smaller one"
         )
     plan = np.concatenate([rim, inner])
     for _ in range(_ROUNDS_OF_POINTS):
@@ -352,7 +352,7 @@ def _turn_towards(plan: Array, triangle: Integers, p: int, q: int) -> None:
 
 
 def _too_close(point: Array) -> ValueError:
-    return ValueError(f"the outline comes too close to itself near {_text(point)}; keep its sides apart")
+    return ValueError(f"the outline is too close to itself near {_text(point)}; keep its sides apart")
 
 
 def _crosses(plan: Array, edges: Integers, p: int, q: int) -> NDArray[np.bool_]:

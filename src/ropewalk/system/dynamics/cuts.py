@@ -82,7 +82,7 @@ class Cuts(Parting):
             if (pull := float(system.buffers.tension[cut.links].max())) > cut.strength:
                 self._part(i)
                 where = f"t = {system.state.t[0]:.4g} s, {cut.at:g} m from its start"
-                messages.append(f"line {cut.line} broke at {where}, pulling with {pull:.4g} N")
+                messages.append(f"line {cut.line} failed at {where}, at a tension of {pull:.4g} N")
         return messages
 
     def _part(self, i: int) -> None:
@@ -100,7 +100,7 @@ class Cuts(Parting):
         """A load that has come to the cut of its line."""
         for i, cut in enumerate(self._cuts):
             if self._done[i] and np.any((self._sides(cut) != self._behind[i]) & (self._contacts["state"] == 1)):
-                return f"a load has come to where line {cut.line} is cut; let it stay on its side, or end before"
+                return f"a load has reached the cut of line {cut.line}; let it stay on its side, or end the run before"
         return None
 
     def _sides(self, cut: _Cut) -> Any:

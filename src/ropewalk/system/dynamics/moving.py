@@ -73,8 +73,8 @@ _ENDS = {
         "positions are no numbers; write a smaller run.step, or axial_stiffness in place of an inextensible law",
     ),
     motion.AT_END: ("travel ended", "a load is at an end of its line; write at_end: leave or stay, or a shorter run"),
-    motion.AT_SHEAVE: ("travel ended", "a load has come to a sheave, which it cannot pass; let it turn back before"),
-    motion.LINE_OUT: ("line ran out", "a line has run over a sheave up to its end, to another sheave or to a joint"),
+    motion.AT_SHEAVE: ("travel ended", "a load has reached a sheave, which it cannot pass; reverse its speed before"),
+    motion.LINE_OUT: ("line ran out", "a line has moved over a sheave up to its end, to another sheave or to a joint"),
 }
 
 
@@ -212,12 +212,13 @@ class SystemMotion:
         if asked.method == "rkn6" and (damper := first_damper(self._scenario.parts)) is not None:
             stages, run_info.method = LOBATTO, "rkn6"
             run_info.reason = (
-                f"as asked: sixth order, by Lobatto's method IIIC, because methods with negative substeps do not bear "
+                f"requested: sixth order, by Lobatto's method IIIC, because methods with negative substeps are "
+                "unstable with "
                 f"{damper}; contacts on a spline of the fourth order"
             )
         elif asked.method == "rkn6":
             self._method, run_info.method = RKN6, "rkn6"
-            run_info.reason = "as asked: sixth order for all nodes and bodies; contacts on a spline of the fourth order"
+            run_info.reason = "requested: sixth order for nodes and bodies; contacts on a spline of the fourth order"
             frequency = stability.largest_frequency(*parts)
             safe = RKN6_LIMIT / max(frequency, 1e-300)
             longest = (self.structure.runs.h * self.structure.runs.links).max(
@@ -227,7 +228,7 @@ class SystemMotion:
             self._step = RKN6_SAFETY * rkn6_step(Bounds(frequency, 0.0), relative)
         if asked.method == "implicit":
             stages, run_info.method = RADAU, "implicit"
-            run_info.reason = "as asked: Radau's method of order 5; contacts on a spline of the fourth order"
+            run_info.reason = "requested: Radau's method of order 5; contacts on a spline of the fourth order"
         if stages is not None:
             safe, self._step = np.inf, asked.until
         if asked.step is not None:

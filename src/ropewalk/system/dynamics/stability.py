@@ -329,6 +329,6 @@ def cut_by_damping(assembled: Assembled, r: Array, steps: float) -> list[str]:
     if times <= MUCH_SHORTER or run >= len(assembled.line):
         return []
     return [
-        f"lines.{assembled.line[run]}.axial_damping makes the step {times:.2g} times shorter than it is without: lower "
-        "it, or write fewer elements"
+        f"lines.{assembled.line[run]}.axial_damping reduces the stable step by a factor of {times:.2g}: lower it, or "
+        "write fewer elements"
     ]

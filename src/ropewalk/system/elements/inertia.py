@@ -86,12 +86,12 @@ def remark_inertia(run_info: RunInfo, factor: float, structure: Structure, rest:
         line: (run,) whose run each is.
     """
     run_info.warnings.append(
-        f"run.axial_inertia of {factor:g} lets waves along lines run {factor**0.5:.3g} times slower than they do: "
-        "tensions spread so late"
+        f"run.axial_inertia of {factor:g} slows longitudinal waves by a factor of {factor**0.5:.3g}: tensions "
+        "spread later"
     )
     for bodies, found in (("saddles", structure.saddles), ("sheaves", structure.sheaves)):
         if found is not None:
-            run_info.warnings.append(f"run.axial_inertia makes what slides over {bodies} {factor:g} times as heavy so")
+            run_info.warnings.append(f"run.axial_inertia multiplies masses that slide over {bodies} by {factor:g}")
     runs, along = structure.runs, tangents(structure, rest)
     for name in dict.fromkeys(line):
         own = [s for s, other in enumerate(line) if other == name]
@@ -99,8 +99,8 @@ def remark_inertia(run_info: RunInfo, factor: float, structure: Structure, rest:
         parts = nodes if structure.sheaves is not None else [np.concatenate(nodes)]  # chords end at sheaves
         if (more := (factor - 1.0) * _across(rest, along, parts)) > MUCH:
             run_info.doubt(
-                f"{name} rests so far off its chord that what swings across that has {100.0 * more:.2g} % more inertia",
-                "motion of a line that sags is along it, too", "run.axial_inertia", "leave axial_inertia out",
+                f"{name} has so much sag that its transverse motion has {100.0 * more:.2g} % more inertia",
+                "transverse motion of a sagging line has a longitudinal part", "run.axial_inertia", "leave it out",
             )  # fmt: skip
 
 

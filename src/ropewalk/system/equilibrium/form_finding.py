@@ -75,7 +75,8 @@ def formed(scenario: Scenario) -> Scenario:
     worst = int(np.abs(missed[: 2 * n]).argmax()) % n
     raise EquilibriumError(
         f"hangers.{next(k for k, row in scenario.hangers.items() if row is hung[worst].row)}: no lengths were found "
-        f"with which {hung[worst].row.below} rests as wanted ({np.abs(missed).max():.2g} m off); look whether "
+        f"with which {hung[worst].row.below} has the target shape in equilibrium ({np.abs(missed).max():.2g} m off); "
+        "look whether "
         f"{hung[worst].row.above} hangs above it with all of its weight"
     )
 

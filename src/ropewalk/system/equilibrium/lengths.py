@@ -160,7 +160,8 @@ def off_tension(scenario: Scenario, assembled: Assembled) -> Iterator[str]:
     name = max(given, key=lambda key: abs(T[key] / given[key] - 1.0))
     if abs(T[name] / given[name] - 1.0) > _SILENT:
         yield (
-            f"lines.{name}.tension: the mean tension at rest is {T[name]:.6g} N instead of {given[name]:g} N, and that "
+            f"lines.{name}.tension: the mean tension in equilibrium is {T[name]:.6g} N instead of {given[name]:g} N, "
+            "and that "
             "of other lines is off by less: lines in one row share their horizontal force, and steeper ones have more "
             "tension; give length instead of tension where this matters"
         )
@@ -255,8 +256,8 @@ def _not_found(scenario: Scenario, found: Mapping[str, float]) -> str:
     remedy = f"give length instead of lines.{name}.tension"
     if guided:
         remedy += f", or change {' and '.join(guided)}: an end that is free along its rail sets the tension itself"
-    tried = f"{len(given)} lines with a given tension do not come to rest with it" if len(given) > 1 else (
-        f"line {name} does not come to rest with its tension")  # fmt: skip
+    tried = f"{len(given)} lines with a given tension have no equilibrium with it" if len(given) > 1 else (
+        f"line {name} has no equilibrium with its tension")  # fmt: skip
     if len(given) > 1 and not guided:
         remedy += "; lines that are joined in one row share their horizontal force"
     far = f"{found[name]:.5g} N instead of {given[name]:g} N"

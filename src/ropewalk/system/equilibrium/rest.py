@@ -39,7 +39,7 @@ def settle(structure: Structure, start: Array, *, within: bool = False) -> Array
     try:
         return least(potential, start.ravel()).reshape(start.shape)
     except EquilibriumError as error:
-        remedy = "; where a node comes to rest right at a sheave, choose another number of elements"
+        remedy = "; if a node lies exactly at a sheave in equilibrium, choose another number of elements"
         raise EquilibriumError(f"{error}{remedy if structure.sheaves is not None else ''}") from error
 
 
@@ -170,7 +170,8 @@ def refuse_limp(structure: Structure, line: Sequence[str], loads: Mapping[str, A
         EA = float(law.tangent(runs.law[s], 0.0))
         if weakest <= (_LIMP * EA if np.isfinite(EA) else 0.0):
             raise EquilibriumError(
-                f"{line[s]} is slack at rest, and in small motion only its tension bears what acts across it: write "
+                f"{line[s]} is slack in equilibrium, and in linearised motion only its tension carries transverse "
+                "loads: write "
                 "geometry: nonlinear, or give it less length"
             )
 

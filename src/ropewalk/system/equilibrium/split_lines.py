@@ -54,7 +54,7 @@ _ROUNDS, _FEW, _EVEN, _CLOSE = 100, 12, 1e-9, 1e-10
 _FAR = 0.4
 # The most that a shape goes on as it went before, over how far it went then.
 _ON = 2.0
-AT_SHEAVE = "a load has come to a sheave, which it cannot pass; let it stay beside it"
+AT_SHEAVE = "a load has reached a sheave, which it cannot pass; let it stop before it"
 RUN_OUT = "a line runs over a sheave up to its end, or to the next sheave; make it longer, or hold that end"
 
 
@@ -451,7 +451,7 @@ class SplitLines:
             name, own = found.sheaves[j]
             raise EquilibriumError(
                 f"no equilibrium was found: line {name} does not stop slipping over sheave {own}, where its tensions "
-                f"differ by {abs(miss[j]):.3g} N; check its length, and what its ends hold"
+                f"differ by {abs(miss[j]):.3g} N; check its length and its supports"
             )
         return found
 

@@ -73,8 +73,8 @@ class ContactDoubts:
         if any(doubt.key == f"loads.{load}.travel.speed" for doubt in self.run_info.doubts):
             return
         self.run_info.doubt(
-            f"load {name}: a mass at {speed:.4g} m/s comes to the speed of the transverse waves of its line at "
-            f"t = {t:.4g} s",
+            f"load {name}: a mass at {speed:.4g} m/s reaches the speed of the transverse waves of its line at t = "
+            f"{t:.4g} s",
             "its contact force is wrong once it is as fast as the waves", f"loads.{load}.travel.speed",
             "let it go slower, or give the line more tension",
         )  # fmt: skip

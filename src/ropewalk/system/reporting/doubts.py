@@ -57,7 +57,7 @@ def coarse_for_wheels(scenario: Scenario) -> Iterator[str]:
             yield (
                 f"links of {load.on} are {times:.2g} times as long as the smallest rocker of {name}: over a saddle "
                 "loads of single wheels are wrong by tens of per cent, and the force of the saddle with them; write "
-                f"lines.{load.on}.elements: {math.ceil(length / load.rockers[0])} or more for these"
+                f"lines.{load.on}.elements: {math.ceil(length / load.rockers[0])} or more"
             )
 
 
@@ -75,17 +75,17 @@ def not_pushed_outwards(scenario: Scenario) -> Iterator[str]:
         outwards = fastest**2 * max(abs(k) for k in line.curvatures)
         if outwards > _FELT * scenario.gravity:
             yield (
-                f"{name} goes along the curve of {load.on} as along straight chords: the curve does not push it "
-                f"outwards, with {outwards:.2g} m/s^2 at {fastest:.3g} m/s"
+                f"{name} follows the curve of {load.on} along straight chords: the centrifugal force of the curve is "
+                f"neglected, with {outwards:.2g} m/s^2 at {fastest:.3g} m/s"
             )
 
 
 def doubt_sticking(run_info: RunInfo, t: float, where: str) -> None:
     """Doubt once small motion in which lines stick where friction bears less than that asks for, at t in s."""
-    what = f"a line sticks at {where} in small motion, and from t = {t:.4g} s on that asks for more than its friction"
+    what = f"a line sticks at {where} in linearised motion, which requires more than its friction from t = {t:.4g} s on"
     if not any(doubt.what.startswith(what.partition(",")[0]) for doubt in run_info.doubts):
-        wrong = "there it would slip, and tensions on both sides differ less"
-        run_info.doubt(what, wrong, "", "ask for kind: dynamic with geometry: nonlinear")
+        wrong = "the line would slip there, with a smaller difference of tensions"
+        run_info.doubt(what, wrong, "", "write kind: dynamic with geometry: nonlinear")
 
 
 def ask_sticking(
@@ -143,10 +143,10 @@ def doubt_saddles(scenario: Scenario, run_info: RunInfo, frames: Frames, line: S
             near = np.abs(place[:, 0] - body.at[0]) < body.radius
             low = near.any() and place[near, -1].max() < body.at[-1] - body.radius
             if low and all(doubt.key != key for doubt in run_info.doubts):
-                cause = "its rest was sought from a line that is too long"
+                cause = "the search for its equilibrium started from a line that is too long"
                 run_info.doubt(
                     f"line {name} passes below saddle {saddle}", cause, key,
-                    f"give lines.{name} less length, at most that of the straight way over its saddles",
+                    f"give lines.{name} less length, at most that of the straight path over its saddles",
                 )  # fmt: skip
 
 
@@ -191,18 +191,21 @@ def judge_hauling_ropes(
         assert haul is not None
         found, slipped = Hauling.of(frames.of["haul_tension"][:, row]), frames.of["haul_slip"][:, row]
         slack = found.pull <= _SLACK * haul.axial_stiffness
-        _warn(run_info, frames.path, slack, f"the hauling rope of {name} is slack", f"{name} runs by itself then")
+        _warn(run_info, frames.path, slack, f"the hauling rope of {name} is slack", "the carriage is then not driven")
         if haul.sheave is not None:
             bears = math.exp(haul.sheave.friction * haul.sheave.wrap)
             what = f"the hauling rope of {name} slips on the sheave of its drive"
-            so = f"friction bears {bears:.3g} to 1, and the drive no longer leads {name}"
+            so = (
+                f"friction transmits a tension ratio of at most {bears:.3g}, and the drive no longer prescribes the "
+                f"speed of {name}"
+            )
             _warn(run_info, frames.path, np.abs(slipped) > 0.0, what, so)
         key, sags = f"loads.{name}.haul.sags", deep[:, e] > 1.0
         if sags.any() and all(doubt.key != key for doubt in run_info.doubts):
             i = int(np.argmax(sags))
             run_info.doubt(
-                f"the hauling rope of {name} weighs {deep[i, e]:.3g} times what it pulls with, between two rollers, at "
-                f"t = {frames.path[i]:.4g} s, and sags by more than an eighth of that way",
+                f"the hauling rope of {name} weighs {deep[i, e]:.3g} times its tension between two rollers at "
+                f"t = {frames.path[i]:.4g} s, and sags by more than an eighth of their distance",
                 "its sag is that of a shallow rope", key, "give it more tension by counter, or leave sags out",
             )  # fmt: skip
 
@@ -250,7 +253,7 @@ def doubt_slack(scenario: Scenario, run_info: RunInfo, on: Sequence[str], tensio
         mine = np.array([own == name for own in on])
         if np.abs(tension[mine]).max() < _NOTHING * (line.axial_stiffness or 1.0):
             run_info.doubt(
-                f"line {name} is slack and has no weight: its shape at rest is one of many",
-                "it is longer than the way between what holds it, and gravity is 0", f"lines.{name}.length",
+                f"line {name} is slack and has no weight: its equilibrium is not unique",
+                "it is longer than the distance of its supports, and gravity is 0", f"lines.{name}.length",
                 "give gravity, or make it shorter",
             )  # fmt: skip

@@ -187,9 +187,7 @@ def on_friction(load: str, kind: int, contact: Any, needed: float) -> str:
     """What to know of the friction of a contact that stands or is held on its line; empty where there is nothing."""
     given = float(contact["friction"])
     if kind == CLAMPED and needed > given > 0.0:
-        return (
-            f"load {load} needs a friction coefficient of {needed:.3g}: the {given:g} that was given does not suffice"
-        )
+        return f"load {load} needs a friction coefficient of {needed:.3g}, more than the given {given:g}"
     if kind == COULOMB and contact["hold"] != 0.0:
         return f"load {load} slips: friction {given:g} does not hold it, a force of {float(contact['hold']):.4g} N does"
     return ""

@@ -112,7 +112,7 @@ class Passing:
             on = (self.contacts["state"] == ON) & (self.contacts["line"] == line)
             if (k := np.flatnonzero(on & (low < self.state.s) & (self.state.s < high))).size:
                 raise RopewalkError(
-                    f"loads.{self._names[k[0]]}.travel: the load has come to a sheave at t = {t:.4g} s, which it "
+                    f"loads.{self._names[k[0]]}.travel: the load reaches a sheave at t = {t:.4g} s, which it "
                     "cannot pass; let it turn back before, or end the run there"
                 )
 

@@ -149,9 +149,11 @@ class Superposed:
         count, among = self.modes.frequency.size, self._still.free.shape[1]
         run_info = self._run_info
         run_info.step = step
-        run_info.reason = f"{count} of {among} modes of the structure at rest, and what is left at once with the forces"
+        run_info.reason = (
+            f"{count} of {among} modes about equilibrium; the remaining modes follow the forces quasi-statically"
+        )
         if count == among:
-            run_info.reason = f"all {count} modes of the structure at rest"
+            run_info.reason = f"all {count} modes about equilibrium"
         if self._scenario.overhead_lines:
             run_info.reason += "; droppers that are taut there stay taut, and heads of pantographs on the wire"
         if missed > 10.0 * TOLERANCE:

@@ -65,5 +65,5 @@ class TiesAboutRest:
             if len(self._noted) == 1:
                 name = self._attached.tie[e] if e < len(self._attached.tie) else "a tie"
                 what = f"at t = {t:.4g} s {name} would {'pull, which is slack' if slack else 'be slack, which is taut'}"
-                cause = "linear theory keeps the droppers that are taut at rest, and no others"
+                cause = "linear theory includes only the droppers that are taut in equilibrium"
                 run_info.doubt(f"{what} at rest", cause, "run.kind", "ask for kind: dynamic, geometry: linearised")
