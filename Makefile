@@ -29,7 +29,7 @@ ELSEWHERE ?= --ignore-glob='tests/mechanics/test_kernel_*.py' --ignore=tests/mec
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 STUDIO := src/ropewalk/studio/page
-.PHONY: docs release studio studio-packages studio-front studio-check help demo warm-up test test-elsewhere lint types figures bench peers fuzz \
+.PHONY: docs pictures release studio studio-packages studio-front studio-check help demo warm-up test test-elsewhere lint types figures bench peers fuzz \
   kills kills-cluster interrupts matrix properties clean clean-cache
 
 help:
@@ -37,7 +37,8 @@ help:
 	@echo "make test         set up and run the tests"
 	@echo "make warm-up      compile before what most of them need"
 	@echo "make test-elsewhere  a part of them as on another processor: other kernels of OpenBLAS, no wide vectors, no fused operations"
-	@echo "make docs         the site, with pictures of all examples, in build/site"
+	@echo "make docs         the site in build/site"
+	@echo "make pictures     renew the pictures of the examples in docs/images/gallery: NAMES=\"zip-line sheaves\", ALL=1 draws all"
 	@echo "make studio       build the front end of  ropewalk studio  (brings Node from PyPI where the machine has none)"
 	@echo "make studio-check lint, types and tests of the front end; in a real browser where Chromium is there"
 	@echo "make lint         ruff: rules and format"
@@ -77,6 +78,11 @@ $(VENV)/.docs: $(VENV)/.core
 	@$(INSTALL) -e '.[docs]'
 	@touch $@
 
+$(VENV)/.pictures: $(VENV)/.core
+	@echo "Installing the packages that some examples use"
+	@$(INSTALL) -e '.[fmi,external]'
+	@touch $@
+
 $(VENV)/.peers: $(VENV)/.dev
 	@echo "Installing the peers of the benchmark"
 	@$(INSTALL) -e '.[benchmarks]'
@@ -99,11 +105,14 @@ figures: $(VENV)/.core
 	@mkdir -p out
 	@$(BIN)/ropewalk figures -o out/figures
 
-# Reading everything anew takes half a minute; pictures are kept by contents (docs/extensions/gallery.py).
 docs: $(VENV)/.docs
-	@$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going --nitpicky --fresh-env --builder html \
+	@$(BIN)/sphinx-build --fail-on-warning --keep-going --nitpicky --fresh-env --builder html \
 	  --doctree-dir build/doctrees docs build/site
 	@echo "Built: build/site/index.html"
+
+# Runs all examples and draws those that have changed;  NAMES="zip-line leash-fall"  only these, ALL=1  draws every one.
+pictures: $(VENV)/.pictures
+	@$(BIN)/python docs/pictures.py $(if $(ALL),--all) $(NAMES)
 
 bench: $(VENV)/.dev
 	@$(BIN)/python -m benchmarks
