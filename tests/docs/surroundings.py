@@ -148,7 +148,8 @@ COACH = {f"{axle}.{name}": kind for axle in ("frontAxle", "rearAxle") for name, 
 
 FILES: dict[str, dict[str, str | bytes]] = {
     "adequacy.md": {"string.yaml": LOADED},
-    "design.md": {"string.yaml": STRING, "stay.yaml": STAY, "measured.csv": MEASURED},
+    "design.md": {"string.yaml": STRING},
+    "fit.md": {"stay.yaml": STAY, "measured.csv": MEASURED},
     "file/lines.md": {"measured.csv": ROUGH},
     "fmi.md": {"coach.fmu": fmu(COACH)},
     "overhead-lines.md": {"rough.csv": ROUGH},
@@ -243,8 +244,8 @@ UNSEEN = {
     "design.md": {
         "ropewalk design line.yaml": "31 runs of an overhead line",
         "ropewalk design ropeway.yaml": "25 runs over a saddle",
-        "quantity, value, deviation              time": "two files beside one another",
     },
+    "fit.md": {"quantity, value, deviation              time": "two files beside one another"},
     "fmi-export.md": {"pip": MACHINE},
     "fmi.md": {"loads.coach.contacts": TOLD, "load coach: its FMU": TOLD},
     "footbridges.md": {"N = 8 pi": "a formula"},

@@ -64,10 +64,13 @@ PAGES = {
     "file/ropeways.md": ("Ropeways",),
     "file/people.md": ("Loads that walk", "Crowds"),
     "file/own.md": ("Loads of your own",),
-    "file/networks.md": ("What lines are joined by", "Wind"),
+    "file/networks.md": ("What lines are joined by",),
+    "file/wind.md": ("Wind",),
     "file/nets.md": ("Nets and membranes",),
     "file/overhead-lines.md": ("Overhead lines",),
-    "file/runs.md": ("Runs", "What results tell of lines", "Many runs"),
+    "file/runs.md": ("Runs",),
+    "file/outputs.md": ("What results tell of lines",),
+    "file/sweeps.md": ("Many runs",),
 }
 """Pages of docs/ with the headings on them; the first one has what no other has."""
 
