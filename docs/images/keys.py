@@ -398,7 +398,7 @@ def outputs() -> Drawing:
     d.ground((640, 60))
     at = on(deck, 0.5)
     d.circle(at, 5, KEY)
-    d.key((at[0], 34), "places: {midspan: {on: deck, at: 10 m}}", "middle")
+    d.key((at[0], 34), "places: {on, at}", "middle")
     floor = [(60, 150), (220, 165), (430, 140), (660, 155)]
     d.path(floor, LOAD, 2)
     for point in floor:
