@@ -114,7 +114,7 @@ def index(examples: list[Example]) -> str:
         here = [example for example in examples if example.group == title]
         if here:
             cards = "\n".join(map(card, here))
-            parts += [f"## {title}", f"::::{{grid}} 1 2 3 3\n:gutter: 2\n\n{cards}\n::::"]
+            parts += [f"## {title}", f"::::{{grid}} 2 2 3 3\n:gutter: 2\n\n{cards}\n::::"]
     return "\n\n".join(parts) + "\n"
 
 
@@ -130,7 +130,7 @@ def trades() -> str:
     for title, (where, name, text) in TRADES.items():
         picture = f":img-top: images/gallery/{name}.card.png\n" if pictures.read(name)[0] else ""
         cards.append(f":::{{grid-item-card}} {title}\n:link: {where}\n:link-type: doc\n{picture}\n{text}\n:::")
-    return "::::{grid} 1 2 3 3\n:gutter: 2\n\n" + "\n".join(cards) + "\n::::"
+    return "::::{grid} 2 2 3 3\n:gutter: 2\n\n" + "\n".join(cards) + "\n::::"
 
 
 def write(path: Path, text: str) -> None:
