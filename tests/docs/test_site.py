@@ -29,7 +29,7 @@ LOADING = {
     "video": "src",
     "object": "data",
 }
-MARKDOWN = [*ROOT.glob("*.md"), *(path for path in DOCS.rglob("*.md") if "gallery" not in path.parts)]
+MARKDOWN = [*ROOT.glob("*.md"), *(path for path in DOCS.rglob("*.md") if path.parent != DOCS / "gallery")]
 
 
 class Page(HTMLParser):
