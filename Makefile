@@ -73,10 +73,10 @@ $(VENV)/.dev: pyproject.toml $(CONSTRAINTS) | $(BIN)/python
 	@$(INSTALL) -e '.[dev]'
 	@touch $(VENV)/.core $@
 
-$(VENV)/.docs: $(VENV)/.core
-	@echo "Installing the tools of the site"
+$(VENV)/.docs: pyproject.toml $(CONSTRAINTS) | $(BIN)/python
+	@echo "Installing ropewalk and the tools of the site$(if $(CONSTRAINTS), with the versions in $(CONSTRAINTS)) (a minute, once)"
 	@$(INSTALL) -e '.[docs]'
-	@touch $@
+	@touch $(VENV)/.core $@
 
 $(VENV)/.pictures: $(VENV)/.core
 	@echo "Installing the packages that some examples use"
