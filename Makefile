@@ -30,7 +30,7 @@ ELSEWHERE ?= --ignore-glob='tests/mechanics/test_kernel_*.py' --ignore=tests/mec
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 STUDIO := src/ropewalk/studio/page
-.PHONY: core docs release studio lessons studio-packages studio-front studio-check help demo warm-up test test-elsewhere lint types figures bench peers fuzz \
+.PHONY: core docs pictures release studio lessons studio-packages studio-front studio-check help demo warm-up test test-elsewhere lint types figures bench peers fuzz \
   kills kills-cluster interrupts matrix properties clean clean-cache
 
 help:
@@ -39,7 +39,8 @@ help:
 	@echo "make core         compile what has changed of src/core"
 	@echo "make warm-up      compile before what most of them need"
 	@echo "make test-elsewhere  a part of them as on another processor: other kernels of OpenBLAS, no wide vectors, no fused operations"
-	@echo "make docs         the site, with pictures of all examples, in build/site"
+	@echo "make docs         the site in build/site"
+	@echo "make pictures     renew the pictures of the examples in docs/images/gallery: NAMES=\"zip-line sheaves\", ALL=1 draws all"
 	@echo "make studio       build the front end of  ropewalk studio  (brings Node from PyPI where the machine has none)"
 	@echo "make studio-check lint, types and tests of the front end; in a real browser where Chromium is there"
 	@echo "make lessons      the kept results of the lessons in the studio, computed anew"
@@ -75,9 +76,14 @@ $(VENV)/.dev: pyproject.toml $(CONSTRAINTS) | $(BIN)/python
 	@$(INSTALL) -e '.[dev]'
 	@touch $(VENV)/.core $@
 
-$(VENV)/.docs: $(VENV)/.core
-	@echo "Installing the tools of the site"
+$(VENV)/.docs: pyproject.toml $(CONSTRAINTS) | $(BIN)/python
+	@echo "Installing ropewalk and the tools of the site$(if $(CONSTRAINTS), with the versions in $(CONSTRAINTS)) (a minute, once)"
 	@$(INSTALL) -e '.[docs]'
+	@touch $(VENV)/.core $@
+
+$(VENV)/.pictures: $(VENV)/.core
+	@echo "Installing the packages that some examples use"
+	@$(INSTALL) -e '.[fmi,external]'
 	@touch $@
 
 $(VENV)/.peers: $(VENV)/.dev
@@ -106,11 +112,14 @@ figures: $(VENV)/.core
 	@mkdir -p out
 	@$(BIN)/ropewalk figures -o out/figures
 
-# Reading everything anew takes half a minute; pictures are kept by contents (docs/extensions/gallery.py).
 docs: $(VENV)/.docs
-	@$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going --nitpicky --fresh-env --builder html \
+	@$(BIN)/sphinx-build --fail-on-warning --keep-going --nitpicky --fresh-env --builder html \
 	  --doctree-dir build/doctrees docs build/site
 	@echo "Built: build/site/index.html"
+
+# Runs all examples and draws those that have changed;  NAMES="zip-line leash-fall"  only these, ALL=1  draws every one.
+pictures: $(VENV)/.pictures
+	@$(BIN)/python docs/pictures.py $(if $(ALL),--all) $(NAMES)
 
 bench: $(VENV)/.dev
 	@$(BIN)/python -m benchmarks

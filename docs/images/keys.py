@@ -285,9 +285,6 @@ def networks() -> Drawing:
     d.path([(530, 220), (600, 82), (620, 70), (640, 80), (710, 150)], INK, 2.5)
     d.circle((619, 90), 20, KEY)
     d.key((620, 40), "sheaves: {at, friction}")
-    d.key((620, 245), "wind: {speed, direction}")
-    for y in (190, 205, 220):
-        d.arrow((600, y), (650, y), FAINT)
     return d
 
 
@@ -391,10 +388,65 @@ def runs() -> Drawing:
     return d
 
 
+def outputs() -> Drawing:
+    """A place on a deck and the ground below."""
+    d = Drawing(190, "A deck with a place of which results report, and the ground below")
+    deck = hanging((80, 60), (640, 60), 22)
+    d.path([(80, 60), (640, 60)], FAINT, 1, "4 3")
+    d.path(deck)
+    d.ground((80, 60))
+    d.ground((640, 60))
+    at = on(deck, 0.5)
+    d.circle(at, 5, KEY)
+    d.key((at[0], 34), "places: {on, at}", "middle")
+    floor = [(60, 150), (220, 165), (430, 140), (660, 155)]
+    d.path(floor, LOAD, 2)
+    for point in floor:
+        d.circle(point, 4, LOAD)
+    d.key((360, 182), "ground", "middle")
+    return d
+
+
+def sweeps() -> Drawing:
+    """Cases of a grid, and one quantity of each."""
+    d = Drawing(200, "Cases of a sweep over two keys, and a quantity of each")
+    for i in range(5):
+        for j in range(3):
+            d.circle((110 + 45 * i, 50 + 40 * j), 6, KEY)
+    d.arrow((80, 165), (325, 165))
+    d.arrow((80, 165), (80, 25))
+    d.key((200, 188), "over", "middle")
+    d.text((205, 20), "combine: grid", INK, "middle", 13)
+    d.arrow((345, 95), (400, 95), FAINT)
+    d.arrow((430, 165), (680, 165))
+    d.arrow((430, 165), (430, 25))
+    d.path([(445, 140), (490, 120), (535, 60), (580, 45), (625, 95), (665, 115)], LOAD, 2.4)
+    d.key((555, 188), "record", "middle")
+    return d
+
+
+def wind() -> Drawing:
+    """Wind across a line."""
+    d = Drawing(190, "Wind that blows at a line and a load")
+    rope = hanging((80, 40), (640, 40), 70)
+    d.path(rope)
+    d.ground((80, 40))
+    d.ground((640, 40))
+    for k in range(6):
+        end = on(rope, 0.08 + 0.168 * k)
+        d.arrow((end[0] - 55, end[1] + 34), (end[0] - 4, end[1] + 4), LOAD)
+    load = on(rope, 0.5)
+    d.box((load[0], load[1] + 14), 26, 20)
+    d.key((360, 178), "direction, speed", "middle")
+    d.key((500, 60), "wind_drag", "start")
+    d.key((load[0] + 24, load[1] + 24), "air_drag", "start")
+    return d
+
+
 FIGURES: dict[str, Callable[[], Drawing]] = {
     "lines": lines, "supports": supports, "loads": loads, "travel": travel, "trains": trains, "tracks": tracks,
     "ropeways": ropeways, "people": people, "own": own, "networks": networks, "nets": nets,
-    "overhead-lines": overhead_lines, "runs": runs,
+    "overhead-lines": overhead_lines, "runs": runs, "outputs": outputs, "sweeps": sweeps, "wind": wind,
 }  # fmt: skip
 
 if __name__ == "__main__":

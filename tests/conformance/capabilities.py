@@ -14,7 +14,7 @@ from .verdicts import UNKNOWN, Verdicts, counts, reason_of
 
 FILE = Path(__file__).parents[2] / "docs" / "capabilities.md"
 
-_HEAD = """# What works on what
+_HEAD = """# Capabilities
 
 Every structure with every load, way of travel, support, kind of run, contact and tool, as {count} short runs; written
 by `make matrix`, which computes all of them, and held to the program by `tests/conformance`. A run works when it is

@@ -114,7 +114,7 @@ NETWORK = """\
 lines:
   left: {mass: 1 kg/m, axial_stiffness: 1 MN, elements: 54}
   hanger: {end: [5 m, -2 m], length: 4.3 m, mass: 1 kg/m, axial_stiffness: 1 MN, elements: 20}
-  hoist: {length: 15 m, mass: 1 kg/m, axial_stiffness: 1 MN, elements: 60, wind_drag: 20 mm}
+  hoist: {length: 15 m, mass: 1 kg/m, axial_stiffness: 1 MN, elements: 60}
 run: {kind: equilibrium}
 """
 
@@ -148,7 +148,8 @@ COACH = {f"{axle}.{name}": kind for axle in ("frontAxle", "rearAxle") for name, 
 
 FILES: dict[str, dict[str, str | bytes]] = {
     "adequacy.md": {"string.yaml": LOADED},
-    "design.md": {"string.yaml": STRING, "stay.yaml": STAY, "measured.csv": MEASURED},
+    "design.md": {"string.yaml": STRING},
+    "fit.md": {"stay.yaml": STAY, "measured.csv": MEASURED},
     "file/lines.md": {"measured.csv": ROUGH},
     "fmi.md": {"coach.fmu": fmu(COACH)},
     "overhead-lines.md": {"rough.csv": ROUGH},
@@ -181,6 +182,9 @@ PARTS = {
         "saddles:": Part("ropeway-saddle", "lines.track"),
     },
     "file/tracks.md": {"tracks:": Part("bridge-ballasted-track")},
+    "file/wind.md": {
+        "wind:": Part(FREE_ROPE.replace("0 m]", "0 m, 0 m]").replace("elements: 60", "elements: 60, wind_drag: 20 mm"))
+    },
     "fmi.md": {"loads:": Part(BEAM.replace("beam", "bridge"))},
     "highlines.md": {"law:": Part(WEBBING, "lines.main")},
     "overhead-lines.md": {
@@ -201,6 +205,7 @@ PARTS = {
     },
     "steppers.md": {"loads:": Part(HIGHLINE), "every:": Part(HIGHLINE + STEPPER, "loads.her")},
     "sweep.md": {"sweep:": Part("rope.yaml")},
+    "tutorials/overhead-line.md": {"loads:": Part("line.yaml")},
     "tutorials/own-fmu.md": {"loads:": Part("bridge.yaml")},
 }
 """What parts of scenarios are parts of, by how the block begins."""
@@ -243,8 +248,8 @@ UNSEEN = {
     "design.md": {
         "ropewalk design line.yaml": "31 runs of an overhead line",
         "ropewalk design ropeway.yaml": "25 runs over a saddle",
-        "quantity, value, deviation              time": "two files beside one another",
     },
+    "fit.md": {"quantity, value, deviation              time": "two files beside one another"},
     "fmi-export.md": {"pip": MACHINE},
     "fmi.md": {"loads.coach.contacts": TOLD, "load coach: its FMU": TOLD},
     "footbridges.md": {"N = 8 pi": "a formula"},

@@ -15,7 +15,7 @@ DOCS = ROOT / "docs"
 PAGES = {
     page.relative_to(DOCS if page.is_relative_to(DOCS) else ROOT).as_posix(): page
     for page in (*ROOT.glob("*.md"), *sorted(DOCS.rglob("*.md")))
-    if "gallery" not in page.parts
+    if page.parent != DOCS / "gallery"
 }
 WITH_BLOCKS = [name for name, page in PAGES.items() if blocks.blocks(page)]
 LANGUAGES = {"shell", "console", "python", "yaml", "text"}

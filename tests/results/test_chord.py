@@ -40,6 +40,39 @@ def test_the_sag_over_a_tower_is_that_of_the_span(supported: dict[str, Any], rad
     assert abs(abs(found["x"] - SPAN) - 0.5 * SPAN) < 6.0
 
 
+SHEAVES = {
+    "one, counterweight below": ({"mast": {"at": [100, 12]}}, [100, 3], 109.6),
+    "one, end behind and high": ({"mast": {"at": [100, 12]}}, [130, 20], 131.5),
+    "two": ({"a": {"at": [20, 14]}, "b": {"at": [100, 12]}}, [100, 3], 110.0),
+}
+
+
+@pytest.mark.parametrize("name", SHEAVES)
+@pytest.mark.parametrize("mirrored", [1.0, -1.0])
+@pytest.mark.parametrize("loaded", [True, False])
+def test_the_sag_over_sheaves_is_that_of_the_longest_span(name: str, mirrored: float, loaded: bool) -> None:
+    """w L^2/8H + P a(L - a)/L H below the chord from sheave to sheave, not below that of the ends."""
+    sheaves, end, length = SHEAVES[name]
+    places = {key: {"at": [mirrored * one["at"][0], one["at"][1]]} for key, one in sheaves.items()}
+    guided = {"kind": "guided", "along": [0, 1], "force": -40e3} if end[0] == 100 else {"kind": "fixed"}
+    line = {
+        "start": [0, 10], "sheaves": places, "end": [mirrored * end[0], end[1]], "end_support": guided,
+        "length": length, "mass": 2.0, "axial_stiffness": 1e7, "elements": 220,
+    }  # fmt: skip
+    weight = {"kind": "force", "on": "rope", "force": [0, -1e3], "travel": {"from": 60.0, "speed": 0.0}}
+    tree = {"lines": {"rope": line}, "run": {"kind": "equilibrium"}, **({"loads": {"w": weight}} if loaded else {})}
+    result = simulate(Scenario.model_validate(tree))
+    found, x = summary(result)["largest_sag"], mirrored * result["position"].sel(axis="x").values[0]
+    z, tension = result["position"].sel(axis="z").values[0], float(result["tension"].values[0, 60])
+    knots = sorted([(0.0, 10.0), *((abs(one["at"][0]), one["at"][1]) for one in places.values())])
+    span = x < 100.0 - 1e-6
+    assert found["value"] == pytest.approx((np.interp(x, *zip(*knots, strict=True)) - z)[span].max(), rel=2e-3)
+    low, P = knots[-2][0], 1e3 if loaded else 0.0
+    L, a = 100.0 - low, abs(found["x"]) - low
+    shallow = 2.0 * 9.81 * a * (L - a) / 2.0 / tension + P * a * (L - a) / L / tension
+    assert found["value"] == pytest.approx(shallow, rel=0.03)  # the slope of the chord and of the rope
+
+
 @pytest.mark.parametrize("wind", [None, {"direction": [1, 0], "speed": 0.0}], ids=["chain", "system"])
 def test_a_line_is_deepest_at_its_load(wind: dict[str, Any] | None) -> None:
     """a(L - a)/L times P/T below the chord, between nodes: those beside it are a part of it higher."""

@@ -10,6 +10,8 @@ from typing import Any
 from ropewalk.model._base import Finding
 from ropewalk.model.course import course, first_at_most
 from ropewalk.model.history import SpeedTable
+from ropewalk.model.overlap import reach_of
+from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.parts import Parts
 from ropewalk.model.places import margin, reach
 from ropewalk.model.travel import FreeTravel
@@ -31,7 +33,8 @@ def check_crossing(parts: Parts) -> Iterator[Finding]:
     """Find why it is not known how long a crossing takes."""
     if not isinstance(getattr(parts.run, "until", None), Crossing):
         return
-    if not parts.is_complete or len(list(parts.complete())) < len(parts.loads):
+    known = {name for kind in (parts.lines, parts.overhead, parts.nets) for name, value in kind.items() if value}
+    if not parts.is_complete or not all(load is not None and load.on in known for load in parts.loads.values()):
         return  # what is wrong there says more
     arrivals = list(_arrivals(parts))
     late = [name for name, time in arrivals if time is None]
@@ -46,19 +49,27 @@ def check_crossing(parts: Parts) -> Iterator[Finding]:
 
 def _arrivals(parts: Parts) -> Iterator[tuple[str, float | None]]:
     """Name of each load that travels as prescribed, and when all of it is at the end of its line or beyond, s."""
-    for name, load, _, line in parts.complete():
+    for name, load in parts.loads.items():
         travel: Any = getattr(load, "travel", None)
-        if travel is None or isinstance(travel, FreeTravel) or callable(travel.speed):
+        if load is None or travel is None or isinstance(travel, FreeTravel) or callable(travel.speed):
             continue
-        speed = travel.speed
-        limit = reach(line, travel.measured)
-        clearance = margin(load, line) if travel.at_end == "refuse" else 0.0
-        starts = [place.start for place in load.starts()]
+        starts, ends = [place.start for place in load.starts()], _ends(parts, load)
         ways = [  # of those between: who has more of the same way before it comes later
-            None if limit is None else _time(speed, start, clearance, limit - clearance)
-            for start in {min(starts), max(starts)}
+            None if ends is None else _time(travel.speed, start, *ends) for start in {min(starts), max(starts)}
         ]
         yield name, None if None in ways else max(way for way in ways if way is not None)
+
+
+def _ends(parts: Parts, load: Any) -> tuple[float, float] | None:
+    """Return the positions in m between which a load crosses its line, None where they are not known exactly."""
+    if (overhead := parts.overhead.get(load.on)) is not None:
+        return reach_of(parts.overhead, load.on) if isinstance(load, Pantograph) else (0.0, overhead.length)
+    line = parts.lines.get(load.on)
+    limit = None if line is None else reach(line, load.travel.measured)
+    if line is None or limit is None:
+        return None
+    clearance = margin(load, line) if load.travel.at_end == "refuse" else 0.0
+    return clearance, limit - clearance
 
 
 def _time(speed: float | SpeedTable, start: float, low: float, high: float) -> float | None:

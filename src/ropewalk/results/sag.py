@@ -25,7 +25,7 @@ class Distances(NamedTuple):
 
 
 def sag(dataset: xr.Dataset, line: str) -> Distances:
-    """Depth of a line below the straight chord between its ends, or from each of its inner supports to the next, in m.
+    """Depth of a line below the straight chord between its ends, or between its inner supports or sheaves, in m.
 
     At its nodes, and where loads touch it: there it is bent, and may be deepest.
 
@@ -37,6 +37,9 @@ def sag(dataset: xr.Dataset, line: str) -> Distances:
         Of nodes, then of contacts; positive below the chord, NaN where the chord is vertical to within 1 degree.
     """
     place, xi = _nodes(dataset, line)
+    if (knots := _over_sheaves(dataset, line, place, xi)) is not None:
+        points, at = (np.concatenate(both, axis=1) for both in zip((place, xi), _contacts(dataset, line), strict=True))
+        return Distances(_height(points, at, *knots) - points[..., -1], at, points)
     away = place - place[:, :1]
     run, along = _onward(away, away)
     rise, z = away[:, -1:, -1], place[..., -1]
@@ -88,6 +91,31 @@ def _contacts(dataset: xr.Dataset, line: str) -> tuple[Array, Array]:
     touch = dataset["contact_state"].values[:, own] > IN_AIR
     place, xi = dataset["contact_position"].values[:, own], dataset["contact_xi"].values[:, own]
     return np.where(touch[..., None], place, np.nan), np.where(touch, xi, np.nan)
+
+
+def _over_sheaves(dataset: xr.Dataset, line: str, place: Array, xi: Array) -> tuple[Array, Array] | None:
+    """Places (frame, knot, axis) and xi (frame, knot) of ends and sheaves of a line, m; None without sheaves."""
+    sheaves = declared(dataset, "lines").get(line, {}).get("sheaves")
+    if not sheaves or "sheave_station" not in dataset:
+        return None
+    known = dataset["sheave"].values.tolist()
+    station = dataset["sheave_station"].values[:, [known.index(f"{line}.{name}") for name in sheaves]]
+    top = np.array([[float(coordinate) for coordinate in one["at"]] for one in sheaves.values()])
+    tops = np.broadcast_to(top, (len(place), *top.shape))
+    where = np.concatenate([place[:, :1], tops, place[:, -1:]], axis=1)
+    return where, np.concatenate([xi[:, :1], station, xi[:, -1:]], axis=1)
+
+
+def _height(points: Array, at: Array, knots: Array, station: Array) -> Array:
+    """Height of chords from knot to knot at points (frame, point, axis), m; NaN where they are nearly vertical."""
+    part = (at[:, :, None] >= station[:, None, 1:-1]).sum(axis=2)[..., None]
+    low, high = np.take_along_axis(knots, part, axis=1), np.take_along_axis(knots, part + 1, axis=1)
+    chord = high - low
+    level = (chord[..., :-1] ** 2).sum(axis=2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = ((points - low)[..., :-1] * chord[..., :-1]).sum(axis=2) / level
+    height = low[..., -1] + share * chord[..., -1]
+    return np.where(level > _STEEP**2 * (chord**2).sum(axis=2), height, np.nan)
 
 
 def _onward(away: Array, of_line: Array) -> tuple[Array, Array]:

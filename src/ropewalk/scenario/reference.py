@@ -64,10 +64,13 @@ PAGES = {
     "file/ropeways.md": ("Ropeways",),
     "file/people.md": ("Loads that walk", "Crowds"),
     "file/own.md": ("Loads of your own",),
-    "file/networks.md": ("Joints and hangers", "Wind"),
+    "file/networks.md": ("Joints and hangers",),
+    "file/wind.md": ("Wind",),
     "file/nets.md": ("Nets and membranes",),
     "file/overhead-lines.md": ("Overhead lines",),
-    "file/runs.md": ("Runs", "Recorded quantities", "Many runs"),
+    "file/runs.md": ("Runs",),
+    "file/outputs.md": ("Recorded quantities",),
+    "file/sweeps.md": ("Many runs",),
 }
 """Pages of docs/ with the headings on them; the first one has what no other has."""
 

@@ -13,7 +13,7 @@ from ropewalk.validation.known_number import KnownNumber
 from ropewalk.validation.registry import GROUPS
 from ropewalk.validation.row_result import AGREES, DIFFERS, FAILED, MISSING, VERDICTS, RowResult
 
-TITLE = "Validation: what is known from elsewhere, and what ropewalk finds"
+TITLE = "Validation"
 INTRODUCTION = (
     "Every row is a number that is known from a book, a standard, another program or another route, and the same "
     "number as this version computes it. `ropewalk validate` makes this page, on any machine and without the "
