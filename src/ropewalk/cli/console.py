@@ -78,7 +78,8 @@ def open_unless_interrupted(target: Path, path: Path) -> xr.Dataset:
 
     if is_interrupted():
         fail(
-            f"interrupted; the computed part is kept in {target}. `ropewalk show {target}` prints its summary.", INTERRUPTED
+            f"interrupted; the computed part is kept in {target}. `ropewalk show {target}` prints its summary.",
+            INTERRUPTED,
         )
     return open_arrays(path)
 
