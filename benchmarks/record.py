@@ -184,9 +184,7 @@ or that there was none. Settings of the other packages that are coarser or finer
 than of theirs; how, and what is unfair in which direction, is in [the note on speed](notes/speed.md).
 """
 
-NOT_RUN = (
-    "Each was run on the day on which its numbers were written, or before; machine and conditions are given there."
-)
+NOT_RUN = "Each was run on the day on which its numbers were written, or before, with machine and conditions."
 
 
 def main() -> None:

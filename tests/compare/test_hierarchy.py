@@ -173,8 +173,7 @@ def test_a_reach_says_from_where_to_where_a_model_holds():
     assert reach.from_start == pytest.approx(7.0, abs=0.026)
     assert (reach.to_end, reach.share) == pytest.approx((0.0, 0.3), abs=0.003)
     assert reach.text("the linear theory").startswith(
-        "the linear theory is within 2 % up to 7.00 m from the start; "
-        "on the last 3.00 m of the path it is not (20 % off"
+        "the linear theory is within 2 % up to 7.00 m from the start; on the last 3.00 m of the path it is not (20 %"
     )
     bump = reach_of(Difference(xi, full, 1.0 + 0.2 * np.exp(-((xi - 5.0) ** 2))), 0.05)
     # exp(-d^2) = 1/4 at d = 1.177

@@ -88,7 +88,7 @@ def test_a_scheduler_that_goes_is_told_and_nothing_is_lost(cluster, tmp_path):
         if done == 3:
             scheduler.kill()
 
-    with pytest.raises(RopewalkError, match="goes on where it was"):
+    with pytest.raises(RopewalkError, match="continues the sweep"):
         ropewalk.sweep(cases.scenario(), OVER, record="largest_sag", cluster=address, store=store, progress=kill)
     found = ropewalk.sweep(cases.scenario(), OVER, record="largest_sag", workers=0, store=store)
     keys = [json.loads(line)["key"] for line in store.read_text("utf-8").splitlines()[1:]]

@@ -89,7 +89,7 @@ def test_failures_are_computed_again_if_asked(tmp_path):
 @pytest.mark.parametrize(
     ("text", "wrong"),
     [
-        ("lines: {}\n", "exists and is no store of a sweep; it is left alone"),
+        ("lines: {}\n", "exists and is no store of a sweep; it is not overwritten"),
         ('{"format": "ropewalk sweep", "version": 2}\n', "written in another version"),
         ('{"format": "ropewalk adequacy", "version": 1}\n', "no store of a sweep"),
     ],
