@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from pydantic import Field
+from typing import Self
 
-from ropewalk.model._base import Declaration
+from pydantic import Field, model_validator
+
+from ropewalk.model._base import Declaration, Finding, report
 from ropewalk.model.quantity import PositiveLength
 
+LOWEST = 0.01  # m, of a pendulum: a lower one falls by more than e^100 within a step
 SIDEWAYS = (0.0, 1.0, 0.0)
 
 
@@ -28,3 +31,10 @@ class Balance(Declaration):
     width: PositiveLength = Field(
         default=0.0157, description="by which a foot lands further out than what would bring the body to rest above it"
     )
+
+    @model_validator(mode="after")
+    def _plausible(self) -> Self:
+        if self.height < LOWEST:
+            remedy = "check its unit; about 1.2 m are usual"
+            report("balance", [Finding(("height",), "is too small for a body", f"{self.height:g} m", remedy)])
+        return self
