@@ -16,7 +16,7 @@ Message = str | bytes
 Forward = Callable[[Message], Awaitable[None]]
 
 _PATIENCE = 30.0  # s that a worker may take to hear that it is to stop: it may be at its compiler
-_FAREWELL = 0.7  # s, that all workers have when the server ends
+_FAREWELL = 0.4  # s, that all workers have when the server ends
 _CONTEXT = multiprocessing.get_context("spawn")
 
 
