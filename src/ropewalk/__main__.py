@@ -7,7 +7,6 @@ import warnings
 from contextlib import suppress
 from typing import Any, NoReturn
 
-from ropewalk.errors import printable_lines
 from ropewalk.importing import lightly
 from ropewalk.interrupts import EXIT_CODE, is_interrupted, listen, note_ending
 
@@ -50,6 +49,8 @@ def _end_interrupted(text: bool) -> NoReturn:
 
 
 def _warn(message: Warning | str, *_: Any, **__: Any) -> None:
+    from ropewalk.errors import printable_lines  # lazy: interrupts are heard a twentieth of a second sooner
+
     print(f"warning: {printable_lines(str(message))}", file=sys.stderr)
 
 

@@ -18,7 +18,7 @@ from ropewalk.capabilities import (
     is_system_linearised,
 )
 from ropewalk.checkpoint import Tree
-from ropewalk.errors import Problem, ScenarioError
+from ropewalk.errors import Problem, RopewalkError, ScenarioError
 from ropewalk.importing import lightly
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.compiled import compiling, is_kept
@@ -213,7 +213,23 @@ def run_of(scenario: Scenario, run_info: RunInfo, times: Array | None = None, pa
         run_info: filled in.
         times: of a motion, its output instants in s (default: those that it asks for).
         past: what such a run has given as its state, to go on from there.
+
+    Raises:
+        RopewalkError: it cannot be computed, or needs more memory than there is.
     """
+    try:
+        return _ready(scenario, run_info, times, past)
+    except (ArithmeticError, ValueError) as error:
+        refused = not_computable(scenario.model_dump(exclude_unset=True), error)
+        if isinstance(error, ScenarioError) or refused is None:
+            raise
+        raise refused from error
+    except MemoryError as error:
+        remedy = "lower elements, or check lengths and counts for wrong units"
+        raise RopewalkError(f"the run needs more memory than there is ({error}); {remedy}") from error
+
+
+def _ready(scenario: Scenario, run_info: RunInfo, times: Array | None, past: Tree | None) -> Run:
     run_info.warnings += sample_warnings(scenario)
     scenario = _formed(scenario)
     run = scenario.run
@@ -222,13 +238,7 @@ def run_of(scenario: Scenario, run_info: RunInfo, times: Array | None = None, pa
         run_info.curvature = SPLINE
     if isinstance(run, Dynamic):
         times = output_times(run) if times is None else times
-        try:
-            motion = _motion(scenario, run, run_info, times, past)
-        except (ArithmeticError, ValueError) as error:
-            refused = not_computable(scenario.model_dump(exclude_unset=True), error)
-            if isinstance(error, ScenarioError) or refused is None:
-                raise
-            raise refused from error
+        motion = _motion(scenario, run, run_info, times, past)
         check_steps(float(times[-1]), run_info.step)
         return TimeHistory(motion, run_info, past)
     if isinstance(run, Linear):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from importlib import import_module
 from pathlib import Path
 from time import process_time
 from typing import Any
@@ -14,10 +15,12 @@ from ropewalk.cli import console
 from ropewalk.cli.app import app
 from ropewalk.cli.deadline import Overdue, deadline
 from ropewalk.effort import MOST_NODES, about, foreseen
-from ropewalk.errors import ScenarioError
+from ropewalk.errors import RopewalkError, ScenarioError
 from ropewalk.model import Scenario
 from ropewalk.model.magnitudes import check_steps, not_computable
+from ropewalk.results.frame import RunInfo
 from ropewalk.scenario import load
+from ropewalk.simulate import run_of
 from ropewalk.system.assembling.membranes import sheet_of
 
 HERE = Path(__file__).parent
@@ -106,6 +109,16 @@ def test_a_mesh_of_millions_is_not_built_by_check() -> None:
     scenario = Scenario.model_validate({"lines": {"s": ROPE | {"elements": 10_000_000}}, "run": DYNAMIC})
     assert foreseen(scenario)[0].startswith(f"dynamic: {10_000_001} nodes")
     assert MOST_NODES < 10_000_000
+
+
+def test_a_run_that_needs_too_much_memory_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    def huge(*_: Any) -> None:
+        raise MemoryError("Unable to allocate 346. GiB")
+
+    monkeypatch.setattr(import_module("ropewalk.simulate"), "_motion", huge)
+    scenario = Scenario.model_validate({"lines": {"s": ROPE}, "run": DYNAMIC})
+    with pytest.raises(RopewalkError, match=r"needs more memory than there is \(Unable to allocate 346\. GiB\); lower"):
+        run_of(scenario, RunInfo())
 
 
 NET: dict[str, Any] = {"kind": "membrane", "stiffness": 1e5, "mass": 0.3, "tension": 500.0}

@@ -130,7 +130,7 @@ line.main()
 
 
 def test_an_interrupt_is_heard_from_the_first_line_on(tmp_path):
-    run = listening("line.gc.set_threshold = lambda *_: signal.raise_signal(signal.SIGINT)\nline.main()", tmp_path)
+    run = listening("line.listen = lambda: signal.raise_signal(signal.SIGINT)\nline.main()", tmp_path)
     assert (run.returncode, run.stdout, run.stderr) == (130, "", "interrupted\n")
 
 

@@ -38,6 +38,8 @@ WAYS = {
     "zip": (["sweep", "--combine", "zip"], SWEEP),
     "a setting of design": (["design", "--minimise", "largest_sag", "--vary", "lines.s.tension=10:20 kN",
                              "--set", f"loads.w={STEPPER}"], None),
+    "a setting of fit": (["fit", "--data", "d.csv", "--vary", "lines.s.tension=10:20 kN",
+                          "--set", f"loads.w={STEPPER}"], None),
     "a setting of adequacy": (["adequacy", "--x", "lines.s.tension=1e4:2e4:2", "--y", "lines.s.mass=1:2:2",
                                "--set", f"loads.w={STEPPER}"], None),
     "a setting": (["run", "--set", f"loads.w={STEPPER}"], None),
@@ -51,6 +53,7 @@ WAYS = {
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "evil.py").write_text(CODE)
+    (tmp_path / "d.csv").write_text("quantity, value\nlargest_sag, 30 mm\n")
     return tmp_path
 
 

@@ -48,7 +48,7 @@ def checked(text: str) -> Scenario:
     scenario = loads(text, "mutant.yaml")
     check_external(scenario.loads)
     if scenario.sweep is not None:
-        Plan.of(scenario, scenario.sweep)
+        Plan.of(scenario, scenario.sweep, console.CHECKED)
     with suppress(Overdue), deadline(console.PATIENCE):
         foreseen(scenario)
     return scenario

@@ -14,6 +14,14 @@ EACH, CHECKED = 800, 60
 FAILED_IN_CHECK = {  # an original, a value in it, the value that made `check` fail or last, and its outcome today
     "a step that rounds to 0": ("zip-line-brake.yaml", "500 N*s/m", "1e12 N*s/m", READ),
     "a membrane of a million vertices": ("base awning", "[4.0, 3.0, 0.0]", "[4.0, 100000, 0.0]", READ),
+    "a stagger in the wrong unit": ("overhead-line-stitch-wire.yaml", "-100 mm]", "1e12 mm]", REFUSED),
+    "retardation of centuries": ("simple-ac-275.yaml", "retardation: 0.1 ms", "retardation: 1e12 ms", REFUSED),
+    "retardation of days": ("simple-ac-275.yaml", "retardation: 0.1 ms", "retardation: 1e5 s", READ),
+    "a deck without stiffness": ("footbridge-crowd.yaml", "500 MN", "1e-9 MN", REFUSED),
+    "people of no height": ("footbridge-lock-in.yaml", "height: 1.17 m", "height: 1e-9 m", REFUSED),
+    "a profile of a million kilometres": ("base rough", "start: [0.0, 0.0]", "start: [1e9, 0.0]", REFUSED),
+    "a sheave with a million turns": ("base carriage", "wrap: 6.0", "wrap: 1e6", READ),
+    "a million cases": ("base sweep drawn", "count: 8", "count: 1e6", READ),
 }
 WAS_WRONG = {
     "a line from a place to itself, in small motion": """

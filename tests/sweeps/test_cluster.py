@@ -99,3 +99,17 @@ def test_a_cluster_that_is_not_there_is_told(monkeypatch):
     monkeypatch.setattr("ropewalk.sweeps.cluster.PATIENCE", 0.5)
     with pytest.raises(RopewalkError, match="cannot be reached"):
         list(each_on("tcp://127.0.0.1:9", [1], 1, cases.squared, -1))
+
+
+def test_workers_that_would_run_external_code_are_not_asked_where_it_is_forbidden(cluster, tmp_path):
+    """Workers of a cluster do not inherit the option: a case is refused before it is sent."""
+    address, worker, _ = cluster
+    worker()
+    (tmp_path / "evil.py").write_text('import pathlib\npathlib.Path("has_run").touch()\nclass X:\n    pass\n')
+    stepper = '{kind: stepper, on: rope, model: "evil.py:X", every: 10 ms}'
+    motion = cases.TREE | {"run": {"kind": "dynamic", "until": 0.02, "every": 0.01}}
+    (tmp_path / "s.json").write_text(json.dumps(motion | {"sweep": {"over": {"loads.man": [stepper]}}}))
+    command = [sys.executable, "-m", "ropewalk", "sweep", "s.json", "--cluster", address]
+    for option, has_run, code in (("--no-code", False, 2), ("--quiet", True, 3)):
+        ended = subprocess.run([*command, option], cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert (ended.returncode, (tmp_path / "has_run").exists()) == (code, has_run), ended.stderr

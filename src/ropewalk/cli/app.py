@@ -17,6 +17,7 @@ import ropewalk
 from ropewalk.cli import many
 from ropewalk.cli.calculating import calc
 from ropewalk.cli.console import (
+    CHECKED,
     FIGURE_SUFFIXES,
     FILM_SUFFIXES,
     TABLE_SUFFIXES,
@@ -118,7 +119,7 @@ def check(file: ScenarioFile, settings: Settings = None) -> None:
         if scenario.loads:
             import_module("ropewalk.external.models").check_external(scenario.loads)
         if scenario.sweep is not None:
-            import_module("ropewalk.sweeps.plan").Plan.of(scenario, scenario.sweep)
+            import_module("ropewalk.sweeps.plan").Plan.of(scenario, scenario.sweep, CHECKED)
         names = ", ".join((*scenario.lines, *scenario.overhead_lines, *scenario.loads))
         work, warnings = foreseen(file, scenario)
         echo(f"{file}: valid ({scenario.title}: {names}; {scenario.run.kind})\n{work}")

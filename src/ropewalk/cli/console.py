@@ -46,6 +46,7 @@ Report = Callable[..., None]  # a task, the part that is done, and maybe what it
 _READ: ContextVar[tuple[Path, tuple[str, ...]] | None] = ContextVar("read", default=None)  # file and settings
 # Part of the whole from which on what is done tells what is left: before, kernels are still loaded.
 _KNOWN = 0.02
+CHECKED = 512  # cases of a sweep that `check` makes: each takes a millisecond or more
 PATIENCE = 6.0  # s of computing, after which `check` gives up to find how a run begins
 _BETWEEN_LINES = 30.0  # s between lines that tell how far what takes long has come
 TRACEBACK: ContextVar[bool] = ContextVar("traceback", default=False)

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ropewalk.errors import RopewalkError
 from ropewalk.mechanics.chain import Array
 
 _ISO = 16e-6, 0.1  # m^3 of class A, 1/m
@@ -26,7 +27,7 @@ _GERMAN_ROUGHNESS = {"low": 4.032e-7, "high": 10.80e-7}  # m^2 rad/m
 _USUAL = {"ISO": (0.35, 90.0), "FRA": (1.524, 304.8), "German": (3.0, 150.0)}  # m
 # Bands of a spectrum; places in the shortest wave at which it is taken: a spline through them is right to 1e-4.
 _BANDS, _PLACES = 1000, 20
-_BLOCK = 1024
+_BLOCK, _MOST_BLOCKS = 1024, 10_000  # of these: half a gigabyte
 
 
 def usual_wavelengths(spectrum: str) -> tuple[float, float]:
@@ -82,6 +83,11 @@ def profile_of(
     first, last = int(np.floor(begin / step)) - 1, int(np.ceil(end / step)) + 1
     # cos(x + y) by blocks: two products of matrices instead of a cosine for every place and wave
     count = (last - first) // _BLOCK + 1
+    if count > _MOST_BLOCKS:
+        raise RopewalkError(
+            f"a profile of {end - begin:g} m with waves from {shortest:g} m on needs {count * _BLOCK:.1e} heights, "
+            f"more than {_MOST_BLOCKS * _BLOCK:.1e}; raise its shortest wavelength, or check the length"
+        )
     blocks = 2.0 * np.pi * np.outer((first + _BLOCK * np.arange(count)) * step, n) + phase
     within = 2.0 * np.pi * np.outer(n, np.arange(_BLOCK) * step)
     z = (a * np.cos(blocks)) @ np.cos(within) - (a * np.sin(blocks)) @ np.sin(within)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from pydantic import Field
+from typing import Self
 
-from ropewalk.model._base import Declaration
+from pydantic import Field, model_validator
+
+from ropewalk.model._base import Declaration, Finding, report
 from ropewalk.model.quantity import PositiveLength
 
+LOWEST = 0.01  # m, of a pendulum: a lower one falls by more than e^100 within a step
 SIDEWAYS = (0.0, 1.0, 0.0)
 
 
@@ -26,3 +29,10 @@ class Balance(Declaration):
         default=1.17, description="of the pendulum with the same frequency as the body over its feet"
     )
     width: PositiveLength = Field(default=0.0157, description="offset of a foot beyond the extrapolated centre of mass")
+
+    @model_validator(mode="after")
+    def _plausible(self) -> Self:
+        if self.height < LOWEST:
+            remedy = "check its unit; about 1.2 m are usual"
+            report("balance", [Finding(("height",), "is too small for a body", f"{self.height:g} m", remedy)])
+        return self

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal, Self
 
@@ -32,6 +33,7 @@ from ropewalk.model.run import Dynamic
 from ropewalk.model.travel import FreeTravel, Place
 
 MOST_LEVELS = 4
+_MOST_GRIP = 700.0  # exponent of the largest number
 """Levels of rockers, one above the other: 16 wheels."""
 
 
@@ -83,6 +85,11 @@ class DriveSheave(Declaration):
 
     friction: FrictionCoefficient = Field(description="coefficient between rope and lining")
     wrap: TurnAngle = Field(description="angle by which the rope lies on it, for example 180 deg")
+
+    @property
+    def grip(self) -> float:
+        """Ratio of the tensions of both sides from which on the rope slips."""
+        return math.exp(min(self.friction * self.wrap, _MOST_GRIP))
 
 
 class Haul(Declaration):

@@ -12,6 +12,7 @@ from typing import Any
 from ropewalk.errors import Problem, ScenarioError
 from ropewalk.model._base import Finding
 from ropewalk.model.line import Line
+from ropewalk.model.overhead_wire import OverheadWire
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic, Linear
 
@@ -20,6 +21,7 @@ _LIGHT = 1e-3  # kg/m, below which a mass is the more likely mistake
 FASTEST_WAVE = 1e8  # m/s, a third of the speed of light; in diamond it is 18 km/s
 MOST_CRITICAL, LONGEST_RELAXATION = 1e3, 100.0  # times critical damping, and s: both, of Kelvin-Voigt damping
 FASTEST_DECAY, LONGEST_RETARDATION = 1e9, 1e6  # 1/s and s
+MOST_STRAIN = 1e3  # of a tension that is given; rubber bears 10
 MOST_STEPS = 1e13  # a year of computing
 EXTREME, MINUTE = 1e15, 1e-15  # magnitudes in SI of numbers that are suspect where something cannot be computed
 
@@ -32,6 +34,11 @@ def check_magnitudes(parts: Parts) -> Iterator[Finding]:
             found = [Finding(("lines", name, key), *problem) for key, *problem in _of_line(line, parts)]
             fastest = max(fastest, 0.0 if found else _steps_per_second(line))
             yield from found
+    for name, overhead in parts.overhead.items():
+        for wire in ("contact_wire", "messenger_wire") if overhead is not None else ():
+            if (declared := getattr(overhead, wire, None)) is not None:
+                for key, *problem in (*_of_damping(declared), *_of_tension(declared)):
+                    yield Finding(("overhead_lines", name, wire, key), *problem)
     if isinstance(parts.run, Dynamic) and (steps := parts.run.until * fastest) > MOST_STEPS:
         wrong = f"the motion would take about {steps:.1e} steps, of the time that a wave takes through a link"
         remedy = f"write at most {MOST_STEPS / fastest:.1e} s, or check the units of mass, axial_stiffness and length"
@@ -40,18 +47,14 @@ def check_magnitudes(parts: Parts) -> Iterator[Finding]:
 
 def _of_line(line: Line, parts: Parts) -> Iterator[tuple[str, str, str, str]]:
     """Problems of a line: key, problem, value, remedy."""
+    yield from _of_tension(line)
     if not isinstance(parts.run, Dynamic | Linear):
         return
     if line.mass < LEAST_MASS and not line.axial_stiffness:
         wrong, remedy = "is lighter than any line", f"check its unit; write at least {LEAST_MASS:g} kg/m"
         yield "mass", wrong, f"{line.mass:g} kg/m", remedy
         return
-    if line.drag > FASTEST_DECAY:
-        remedy = f"write at most {FASTEST_DECAY:g} 1/s: beyond, nothing moves"
-        yield "drag", "stops every motion at once", f"{line.drag:g} 1/s", remedy
-    if line.retardation > LONGEST_RETARDATION:
-        remedy = f"write at most {LONGEST_RETARDATION:g} s: beyond, nothing moves"
-        yield "retardation", "stops every motion at once", f"{line.retardation:g} s", remedy
+    yield from _of_damping(line)
     if not line.axial_stiffness:
         return
     if (speed := _wave_speed(line)) > FASTEST_WAVE:
@@ -69,6 +72,21 @@ def _of_line(line: Line, parts: Parts) -> Iterator[tuple[str, str, str, str]]:
         most = max(MOST_CRITICAL * critical, LONGEST_RELAXATION * line.axial_stiffness)
         remedy = f"check its unit; critical are {critical:.3g} N*s, write at most {most:.3g} N*s"
         yield "axial_damping", wrong, f"{line.axial_damping:g} N*s", remedy
+
+
+def _of_damping(line: Line | OverheadWire) -> Iterator[tuple[str, str, str, str]]:
+    if line.drag > FASTEST_DECAY:
+        remedy = f"write at most {FASTEST_DECAY:g} 1/s: beyond, nothing moves"
+        yield "drag", "stops every motion at once", f"{line.drag:g} 1/s", remedy
+    if line.retardation > LONGEST_RETARDATION:
+        remedy = f"write at most {LONGEST_RETARDATION:g} s: beyond, nothing moves"
+        yield "retardation", "stops every motion at once", f"{line.retardation:g} s", remedy
+
+
+def _of_tension(line: Line | OverheadWire) -> Iterator[tuple[str, str, str, str]]:
+    if line.tension and line.axial_stiffness and line.tension > MOST_STRAIN * line.axial_stiffness:
+        wrong = f"is so low that the tension of {line.tension:g} N makes it {MOST_STRAIN:g} times as long or more"
+        yield "axial_stiffness", wrong, f"{line.axial_stiffness:g} N", "check its unit and that of tension"
 
 
 def _wave_speed(line: Line) -> float:

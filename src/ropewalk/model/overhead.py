@@ -39,6 +39,8 @@ FEWEST_ELEMENTS = 16
 """In the shortest span: fewer show neither the droppers nor a wave."""
 STEEPEST = 0.05
 """Slope of a contact wire between two supports; those that trains run below stay under 1 : 100."""
+MOST_ASIDE = 0.5
+"""Distance of neighbouring staggers over the length of their span; the contact wire is as long as that."""
 TIGHTEST = 0.5
 """Length of a span over the radius of its curve."""
 _DROPPERS_PER_SPAN = 9
@@ -417,6 +419,11 @@ class OverheadLine(Declaration):
             wrong, given = "does not go with the supports", f"{len(stagger)} values for {len(lengths)} spans"
             remedy = f"give {len(lengths) + 1} values, both ends included, or one for alternating sides"
             yield Finding(("steady_arms", "stagger"), wrong, given, remedy)
+        for i, (span, a, b) in enumerate(zip(lengths, self.staggers or (), (self.staggers or ())[1:], strict=False)):
+            if abs(b - a) > MOST_ASIDE * span:
+                wrong = f"leads the contact wire {abs(b - a):g} m aside over span {i + 1} of {span:g} m"
+                yield Finding(("steady_arms", "stagger"), wrong, "", "check its unit; about 200 mm are usual")
+                break
         if self.heights is not None and len(self.heights) != len(lengths) + 1:
             wrong, given = "do not go with the supports", f"{len(self.heights)} values for {len(lengths)} spans"
             yield Finding(("heights",), wrong, given, f"give {len(lengths) + 1} values, both ends included")

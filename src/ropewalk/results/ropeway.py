@@ -118,7 +118,7 @@ def _carriage(dataset: xr.Dataset, scenario: Scenario, name: str, load: Carriage
             found[key] = _both(*course[key], dataset)
     haul = _haul_of(scenario, name)
     if haul is not None and haul.sheave is not None and "slip" in course:
-        friction = float(np.exp(haul.sheave.friction * haul.sheave.wrap))
+        friction = haul.sheave.grip
         sides = _both(*course["drive_ratio"], dataset)
         found["drive_ratio"] = None if sides is None else sides["max"] | {"friction_bears": friction}
         found["slip"] = _both(*course["slip"], dataset)

@@ -17,7 +17,7 @@ Forward = Callable[[Message], Awaitable[None]]
 
 PATIENCE = 0.7  # s that a worker may take to acknowledge a stop; it does not while it compiles or sets up a run
 LONG_PATIENCE = 30.0  # s that it may take to complete its result, or the case of a sweep
-_FAREWELL = 0.7  # s, that all workers have when the server ends
+_FAREWELL = 0.4  # s, that all workers have when the server ends
 _CONTEXT = multiprocessing.get_context("spawn")
 
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from ropewalk.studio.poses import Asked, Dragging
 
 MOST_NODES = 50_000  # of a scenario in the studio
-_FAREWELL = 1.5  # s, from the end of the server
+_FAREWELL = 1.0  # s, from the end of the server
 ACKNOWLEDGED = -1  # ticket of the message that a stop has been heard
 EXPORTS = ("png", "svg", "pdf", "csv", "zip", "xlsx", "gif", "mp4")
 Answer = dict[str, Any]

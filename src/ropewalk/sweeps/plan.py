@@ -52,8 +52,8 @@ class Plan:
     rows: tuple[Row, ...]
 
     @classmethod
-    def of(cls, scenario: Scenario, sweep: Sweep) -> Plan:
-        """Make all cases.
+    def of(cls, scenario: Scenario, sweep: Sweep, most: int | None = None) -> Plan:
+        """Make all cases, or at most so many of the first.
 
         Raises:
             ScenarioError: values cannot be read or combined, keys touch each other, or no case at all is a scenario.
@@ -65,7 +65,10 @@ class Plan:
             if touched := overlap([key], keys[:k]):
                 refuse(touched[0], "is set twice", "", "leave one of the two keys out")
         written = dict(leaves(tree_of(scenario)))
-        points = combined(parameters, sweep.combine, sweep.count, sweep.seed, written)
+        count = sweep.count if most is None or sweep.count is None else min(sweep.count, most)
+        points = combined(parameters, sweep.combine, count, sweep.seed, written)
+        is_whole = count == sweep.count and (most is None or len(points) <= most)
+        points = points[:most]
         make = varying(dump(scenario), "the sweep")
         rows, first = [], None
         for point in points:
@@ -78,7 +81,7 @@ class Plan:
                 first = first or error
                 case, refused = None, "; ".join(str(error).splitlines())
             rows.append(Row(point, settings, case, refused))
-        if first is not None and all(row.case is None for row in rows):
+        if first is not None and is_whole and all(row.case is None for row in rows):
             if isinstance(first, ScenarioError):
                 raise first
             wrong = first.wrong if isinstance(first, Refused) else str(first)

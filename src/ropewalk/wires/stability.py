@@ -29,7 +29,7 @@ def largest_step(mesh: Mesh, moving_loads: MovingLoads, *, along: bool = False) 
     total = across + _attached(mesh, lightest, along) + _at_ends(mesh) + _loaded(mesh, moving_loads, lightest)
     # omega^2 (dt^2 + 2 beta dt) + 2 c / m dt < 4 for each wire
     late = s.retardation + _damped(mesh, moving_loads, lightest) / total
-    steps = np.sqrt(4.0 / total + late**2) - late
+    steps = 4.0 / total / (np.sqrt(4.0 / total + late**2) + late)  # the difference of both rounds to 0
     return SAFETY * float(min(steps.min(), _alone(moving_loads)))
 
 
