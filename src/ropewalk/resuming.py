@@ -159,6 +159,7 @@ def _checked(past: Past) -> Scenario:
         scenario = loads(text, f"{path}.json")
     except ScenarioError as problem:
         raise ResultError(f"{path}: its scenario cannot be run any more: {problem}") from problem
+    scenario.__dict__["source_text"] = str(metadata.get("scenario_file", ""))
     was, now = past.checkpoint["data"], digests(scenario)
     for key in {**was, **now}:
         if was.get(key) != now.get(key):

@@ -12,6 +12,7 @@ import xarray as xr
 
 import ropewalk
 from ropewalk.results import figure, html_report, open_result
+from ropewalk.results.contract import scenario_text
 from ropewalk.results.figures import panels_of, rows_of_panels
 from ropewalk.scenario import brief, load, loads
 from ropewalk.simulate import simulate
@@ -127,6 +128,7 @@ def test_a_scenario_that_is_not_as_written_is_given_as_short_yaml():
         assert other.source_text == ""
         assert loads(brief(other)) == other == changed
     assert scenario.model_copy().source_text == SEVERAL
+    assert loads(scenario_text(scenario)).source_text == ""  # JSON, as a result has it
     assert loads(brief(scenario)) == scenario
 
 

@@ -42,7 +42,7 @@ def loads(text: str, name: str = "scenario", overrides: Iterable[str] = ()) -> S
     """
     overrides = list(overrides)
     scenario = _changed(_checked(text, name), overrides)
-    if not overrides:
+    if not overrides and not text.lstrip().startswith("{"):  # JSON is for programs
         scenario.__dict__["source_text"] = text  # of a property that is cached: scenarios are compared without it
     return scenario
 
