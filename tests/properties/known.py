@@ -32,7 +32,7 @@ class Known:
 
 def _is_refused(found: Difference) -> bool:
     """Whether one side is refused as not implemented."""
-    ends = tuple(f"{a} and {b}" for a, b in (("done", "refused"), ("refused", "done"), ("done", "stopped")))
+    ends = ("done and refused", "refused and done")  # a refusal after the check has passed is a fault of its own
     return found.what.startswith(ends) and "is not implemented" in found.what
 
 
@@ -42,8 +42,8 @@ def _changes_engine(tree: Tree, relation: str, found: Difference) -> bool:
 
 
 def _differs_by_engine(found: Difference) -> bool:
-    """Whether other engines compute both sides, up to half of the sag right after a start."""
-    return "engines differ" in found.what and found.size <= 0.5 / TWO_ENGINES
+    """Whether other engines compute both sides: up to a tenth of the sag, of which 2 % were measured in 1500 pairs."""
+    return "engines differ" in found.what and found.size <= 0.1 / TWO_ENGINES
 
 
 def _has_two_engines(tree: Tree, relation: str, found: Difference) -> bool:
