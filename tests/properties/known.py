@@ -102,7 +102,7 @@ def _counts_along_the_chord(tree: Tree, relation: str, found: Difference) -> boo
 
 
 def _stays_at_an_end(tree: Tree, relation: str, found: Difference) -> bool:
-    """A quasi-static force that stays at the end of a beam loses up to a thousandth, as rounding of the place has it."""
+    """A quasi-static force that stays at the end of a beam loses up to a thousandth, by rounding of its place."""
     stays = any(load.get("travel", {}).get("at_end") == "stay" for load in tree["loads"].values())
     forces = found.what.startswith(("reaction", "contact_force")) and found.size <= 100.0
     return stays and forces and tree["run"]["kind"] == "quasistatic" and _has_beams(tree)
