@@ -32,7 +32,7 @@ class Known:
 
 def _is_refused(found: Difference) -> bool:
     """Whether one side is refused as not implemented."""
-    ends = tuple(f"{a} and {b}" for a, b in (("done", "refused"), ("refused", "done"), ("done", "stopped")))
+    ends = ("done and refused", "refused and done")  # a refusal after the check has passed is a fault of its own
     return found.what.startswith(ends) and "is not implemented" in found.what
 
 
@@ -42,8 +42,8 @@ def _changes_engine(tree: Tree, relation: str, found: Difference) -> bool:
 
 
 def _differs_by_engine(found: Difference) -> bool:
-    """Whether other engines compute both sides, up to half of the sag right after a start."""
-    return "engines differ" in found.what and found.size <= 0.5 / TWO_ENGINES
+    """Whether other engines compute both sides: up to a tenth of the sag, of which 2 % were measured in 1500 pairs."""
+    return "engines differ" in found.what and found.size <= 0.1 / TWO_ENGINES
 
 
 def _has_two_engines(tree: Tree, relation: str, found: Difference) -> bool:
@@ -94,11 +94,18 @@ def _leaves_damping_out(tree: Tree, relation: str, found: Difference) -> bool:
 def _counts_along_the_chord(tree: Tree, relation: str, found: Difference) -> bool:
     """One engine counts from and speed along the chord of lines given by a tension, without their strain."""
     sides = "engines differ" in found.what and "wires" in found.what.partition("engines differ")[2]
-    numbers = re.search(r"_position .* differs by (\S+) of (\S+)", found.what)
+    numbers = re.search(r"(?:_position|load_path).* differs by (\S+) of (\S+)", found.what)
     given = [line for line in tree.get("lines", {}).values() if "tension" in line]
     along = max((np.linalg.norm(np.subtract(line["end"], line["start"])) * line["tension"] / line["axial_stiffness"]
                  for line in given), default=0.0)  # fmt: skip
     return sides and numbers is not None and float(numbers[1]) * float(numbers[2]) <= 1.05 * along
+
+
+def _stays_at_an_end(tree: Tree, relation: str, found: Difference) -> bool:
+    """A quasi-static force that stays at the end of a beam loses up to a thousandth, by rounding of its place."""
+    stays = any(load.get("travel", {}).get("at_end") == "stay" for load in tree["loads"].values())
+    forces = found.what.startswith(("reaction", "contact_force")) and found.size <= 100.0
+    return stays and forces and tree["run"]["kind"] == "quasistatic" and _has_beams(tree)
 
 
 def _joins_inextensible(tree: Tree, relation: str, found: Difference) -> bool:
@@ -129,6 +136,7 @@ KNOWN: tuple[Known, ...] = (
     Known("beams-on-slopes", 3, "an engine leaves out inertia along beams", _rides_on_a_slope),
     Known("strain-of-wires", 2, "an engine counts along chords, not unstrained lengths", _counts_along_the_chord),
     Known("end-of-path", 2, "engines differ in when a quasi-static path ends", _ends_the_path),
+    Known("stay-at-the-end", 2, "a quasi-static force at an end is not all borne", _stays_at_an_end),
     Known("inextensible-joined", 4, "joined inextensible lines find no equilibrium", _joins_inextensible),
     Known("quasi-static-search", 2, "places of loads on slack lines are not always found", _searches_on_the_way),
     Known("undamped-strings", 2, "the closed form of a string has no damping", _leaves_damping_out),
