@@ -193,7 +193,7 @@ def judge_hauling_ropes(
         slack = found.pull <= _SLACK * haul.axial_stiffness
         _warn(run_info, frames.path, slack, f"the hauling rope of {name} is slack", f"{name} runs by itself then")
         if haul.sheave is not None:
-            bears = haul.sheave.grip
+            bears = haul.sheave.slip_ratio
             what = f"the hauling rope of {name} slips on the sheave of its drive"
             so = f"friction bears {bears:.3g} to 1, and the drive no longer leads {name}"
             _warn(run_info, frames.path, np.abs(slipped) > 0.0, what, so)
