@@ -21,6 +21,8 @@ FAILED_IN_CHECK = {  # an original, a value in it, the value that made `check` f
     "people of no height": ("footbridge-lock-in.yaml", "height: 1.17 m", "height: 1e-9 m", REFUSED),
     "a profile of a million kilometres": ("base rough", "start: [0.0, 0.0]", "start: [1e9, 0.0]", REFUSED),
     "a sheave with a million turns": ("base carriage", "wrap: 6.0", "wrap: 1e6", READ),
+    "a window of a light year": ("base bed", "window: 8.0", "window: 1e15", REFUSED),
+    "a window of a hundred kilometres": ("base bed", "window: 8.0", "window: 1e5", READ),
     "a million cases": ("base sweep drawn", "count: 8", "count: 1e6", READ),
 }
 WAS_WRONG = {

@@ -28,7 +28,8 @@ PATIENCE = 60.0
 """Time after which an interrupted command counts as deaf, s."""
 _TICK = os.sysconf("SC_CLK_TCK") if hasattr(os, "sysconf") else 100
 _FORCE = "{kind: force, on: rope, force: [0, -500], travel: {speed: 15, from: 10 m}}"
-_OSCILLATOR = "{kind: oscillator, on: rope, mass: 50, stiffness: 40 kN/m, travel: {speed: 15, from: 10 m}}"
+_WAY = "travel: {speed: 15, from: 10 m, at_end: leave}"
+_OSCILLATOR = f"{{kind: oscillator, on: rope, mass: 50, stiffness: 40 kN/m, {_WAY}}}"
 _BEAM = """
 lines:
   rope: {start: [0, 0], end: [40, 0], length: 40 m, mass: 1000, axial_stiffness: 1 GN, bending_stiffness: 2 GN*m^2,

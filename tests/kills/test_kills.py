@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from kills.commands import SCENARIOS, Command, trial
-from kills.interrupts import interrupted
+from kills.interrupts import TEXTS, interrupted
+from ropewalk.scenario import loads
 
 
 @pytest.mark.parametrize("name", SCENARIOS)
@@ -14,6 +15,11 @@ def test_what_is_killed_is_taken_up_again_to_the_same_last_bit(name, tmp_path):
     (whole := Command(name, tmp_path / "whole")).whole()
     assert trial(name, tmp_path / "killed", 600.0, whole, kept=2 + whole.frames() // 10) == ""
     assert (tmp_path / "killed" / whole.result.name).exists()
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_what_is_interrupted_would_run(name):
+    loads(TEXTS[name], "one.yaml")
 
 
 @pytest.mark.parametrize(

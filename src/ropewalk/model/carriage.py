@@ -33,7 +33,7 @@ from ropewalk.model.run import Dynamic
 from ropewalk.model.travel import FreeTravel, Place
 
 MOST_LEVELS = 4
-_MOST_GRIP = 700.0  # exponent of the largest number
+_LARGEST_EXPONENT = 700.0  # exponent of the largest number
 """Levels of rockers, one above the other: 16 wheels."""
 
 
@@ -87,9 +87,9 @@ class DriveSheave(Declaration):
     wrap: TurnAngle = Field(description="angle by which the rope lies on it, for example 180 deg")
 
     @property
-    def grip(self) -> float:
+    def slip_ratio(self) -> float:
         """Ratio of the tensions of both sides from which on the rope slips."""
-        return math.exp(min(self.friction * self.wrap, _MOST_GRIP))
+        return math.exp(min(self.friction * self.wrap, _LARGEST_EXPONENT))
 
 
 class Haul(Declaration):

@@ -294,7 +294,12 @@ def nodes_of(parts: Parts) -> int:
         len(load.starts()) if isinstance(load, Axles | Carriage | Vehicle) else 1 for load in parts.loads.values()
     )
     nodes = contacts + sum(net.nodes for net in parts.nets.values() if net is not None)
-    nodes += sum(line.elements + 1 for line in parts.lines.values() if line is not None)
+    window = parts.run.window if isinstance(parts.run, Dynamic) else None
+    for line in parts.lines.values():
+        if line is not None:
+            nodes += line.elements + 1
+            if isinstance(window, float) and (length := line.length or line.distance):
+                nodes += int(min(line.elements * window / length, 1e15))
     return nodes + sum(int(2.0 * line.length / line.element) for line in parts.overhead.values() if line is not None)
 
 

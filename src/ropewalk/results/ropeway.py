@@ -118,7 +118,7 @@ def _carriage(dataset: xr.Dataset, scenario: Scenario, name: str, load: Carriage
             found[key] = _both(*course[key], dataset)
     haul = _haul_of(scenario, name)
     if haul is not None and haul.sheave is not None and "slip" in course:
-        friction = haul.sheave.grip
+        friction = haul.sheave.slip_ratio
         sides = _both(*course["drive_ratio"], dataset)
         found["drive_ratio"] = None if sides is None else sides["max"] | {"friction_bears": friction}
         found["slip"] = _both(*course["slip"], dataset)

@@ -93,7 +93,7 @@ def _hauling_rope(
         found |= {"counter_stiffness": counter.axial_stiffness or haul.axial_stiffness}
         found |= {"counter_place": nearest(scenario, load, haul)}
     if haul.sheave is not None:
-        found |= {"bears": haul.sheave.grip}
+        found |= {"bears": haul.sheave.slip_ratio}
     parts += [{}] * (masses + 1)
     towers += on_way
     return found

@@ -193,7 +193,7 @@ def judge_hauling_ropes(
         slack = found.pull <= _SLACK * haul.axial_stiffness
         _warn(run_info, frames.path, slack, f"the hauling rope of {name} is slack", "the carriage is then not driven")
         if haul.sheave is not None:
-            bears = haul.sheave.grip
+            bears = haul.sheave.slip_ratio
             what = f"the hauling rope of {name} slips on the sheave of its drive"
             so = (
                 f"friction transmits a tension ratio of at most {bears:.3g}, and the drive no longer prescribes the "
