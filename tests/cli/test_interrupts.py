@@ -275,6 +275,26 @@ finally:
     assert (run.returncode, run.stdout) == (130, "False\n")
 
 
+def test_a_sweep_has_imported_what_its_table_needs_before_it_begins(tmp_path):
+    """Interrupted in its first seconds it imported pint for its first dataset, which took 0.5 s."""
+    pytest.importorskip("pint")
+    (tmp_path / "one.yaml").write_text(RUNS["chain, force"], encoding="utf-8")
+    run = listening(
+        """
+import ropewalk.sweeps.sweeping as sweeping
+def finishing(*_):
+    print("pint" in sys.modules)
+    yield from ()
+    raise KeyboardInterrupt
+sweeping.finishing = finishing
+sys.argv = ["ropewalk", "sweep", "one.yaml", "--over", "lines.rope.mass=1,2", "--quiet"]
+line.main()
+""",
+        tmp_path,
+    )
+    assert run.stdout.splitlines()[:1] == ["True"], run
+
+
 def test_other_faults_in_destructors_are_told(tmp_path):
     run = listening(
         """

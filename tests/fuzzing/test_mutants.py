@@ -23,6 +23,7 @@ FAILED_IN_CHECK = {  # an original, a value in it, the value that made `check` f
     "a sheave with a million turns": ("base carriage", "wrap: 6.0", "wrap: 1e6", READ),
     "a window of a light year": ("base bed", "window: 8.0", "window: 1e15", REFUSED),
     "a window of a hundred kilometres": ("base bed", "window: 8.0", "window: 1e5", READ),
+    "a hanger of a nanometre": ("base carriage", "hanger: 2.0", "hanger: 1e-9", REFUSED),
     "a million cases": ("base sweep drawn", "count: 8", "count: 1e6", READ),
 }
 WAS_WRONG = {

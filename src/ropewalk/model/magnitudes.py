@@ -23,7 +23,7 @@ MOST_CRITICAL, LONGEST_RELAXATION = 1e3, 100.0  # times critical damping, and s:
 FASTEST_DECAY, LONGEST_RETARDATION = 1e9, 1e6  # 1/s and s
 MOST_STRAIN = 1e3  # of a tension that is given; rubber bears 10
 MOST_STEPS = 1e13  # a year of computing
-EXTREME, MINUTE = 1e15, 1e-15  # magnitudes in SI of numbers that are suspect where something cannot be computed
+EXTREME, MINUTE = 1e15, 1e-8  # magnitudes in SI of numbers that are suspect where something cannot be computed
 
 
 def check_magnitudes(parts: Parts) -> Iterator[Finding]:

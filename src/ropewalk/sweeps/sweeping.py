@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -89,6 +90,7 @@ def sweep(
         try:
             if missing:
                 check_record(missing[0])
+                import_module("xarray").Dataset(coords={"case": [0]})  # imports pint: not after an interrupt
             for case in finishing(cases, missing, kept, lost, workers, cluster):
                 report(rows[case.key])
             if done < len(plan.rows):  # others have finished some
