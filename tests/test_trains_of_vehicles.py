@@ -14,7 +14,7 @@ from ropewalk.compare.simpler_models import top_of
 from ropewalk.decouple import without_feedback
 from ropewalk.errors import ScenarioError
 from ropewalk.mechanics.multibody_system import static_loads
-from ropewalk.model import Axles, Train
+from ropewalk.model import Axles, Scenario, Train
 from ropewalk.model.train_sets import ORDER, axle_loads
 from ropewalk.results.line_response import responses
 from ropewalk.results.statistics import summary
@@ -183,6 +183,21 @@ def test_a_train_is_told_as_one_load() -> None:
     told = text(found)
     assert told.count("Train train") == 1
     assert "largest unloading" in told
+
+
+def test_a_train_on_an_overhead_line_has_a_summary() -> None:
+    springs = {name: {"between": ["box", name], "stiffness": 1652, "damping": 12} for name in ("front", "rear")}
+    car = {"length": 1.2, "bodies": {"box": {"mass": 3, "inertia": 0.9}}, "springs": springs,
+           "wheels": {"front": {"at": 0.3, "mass": 0.7}, "rear": {"at": -0.3, "mass": 0.7}}}  # fmt: skip
+    wires = {"spans": {"count": 3, "length": 32}, "droppers": {"per_span": 3}, "element": 2, "analysed_spans": [2, 2],
+             "contact_wire": {"drag": 0.05}, "messenger_wire": {"drag": 0.05}}  # fmt: skip
+    train = {"kind": "train", "vehicles": {"car": car}, "order": ["2 car"], "on": "line",
+             "travel": {"speed": 30, "from": 30}}  # fmt: skip
+    run = {"kind": "linear", "until": 0.1, "every": 0.02}
+    tree = {"overhead_lines": {"line": wires}, "loads": {"train": train}, "run": run}
+    found = summary(simulate(Scenario.model_validate(tree)))["trains"]["train"]
+    assert found["axles"] == 4
+    assert 0.0 < found["largest_force"]["value"] < 100.0
 
 
 def test_a_train_goes_either_way_and_starts_anywhere() -> None:

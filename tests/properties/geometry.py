@@ -155,6 +155,8 @@ def overhead_from_the_other_end(tree: Tree, rng: Random) -> Sides:
     spans = tree["overhead_lines"]["section"]["spans"]
     length, found = spans["count"] * spans["length"], copied(tree)
     for load in loads_of(found):
+        if load["kind"] == "train" and load["travel"]["speed"] == 0.0:
+            load["travel"]["speed"] = 1e-9  # a sign, which the reversal turns: its vehicles are on the other side then
         reverse_load(load, length)
         if load["kind"] == "force":
             load["force"] = [-load["force"][0], *load["force"][1:]]

@@ -61,7 +61,9 @@ def _forces(dataset: xr.Dataset, own: list[int], load: Train) -> dict[str, Any]:
     spread as they please.
     """
     pressing, names = -dataset["contact_force"].values[:, own, -1], dataset["load"].values[own].tolist()
-    place, nodes = dataset["contact_xi"].values[:, own], dataset["xi"].values[dataset["line"].values == load.on]
+    lines, place = dataset["line"].values.astype(str), dataset["contact_xi"].values[:, own]
+    of_line = (lines == load.on) | np.char.startswith(lines, f"{load.on}.")  # wires of an overhead line, too
+    nodes = np.unique(dataset["xi"].values[of_line])
     with np.errstate(invalid="ignore"):
         pressing[(place < nodes[1]) | (place > nodes[-2])] = np.nan
     static = np.array(static_loads(load.whole))
