@@ -50,7 +50,7 @@ const canvas = element("canvas", {
 const plotted = element("div", { class: "plots", tabindex: "0", role: "group", "aria-label": "Curves" });
 const numbers = element("dl", { class: "numbers", "aria-live": "off" });
 const said = element("div");
-const summary = element("div", { tabindex: "0", role: "group", "aria-label": "Summary" });
+const summary = element("div");
 const exports = element("div", { class: "row" });
 const compared = element("div");
 const compareModels = button("Compare with simpler models", () => simplerModels(), {

@@ -307,7 +307,7 @@ export function numbersOf(film: Described, frame: Frame, dragged = ""): [string,
 /** A summary: its first ten lines, the others folded. */
 export function folded(text: string): HTMLElement[] {
   const lines = text.split("\n");
-  const block = (some: string[]) => element("pre", { class: "summary" }, some.join("\n"));
+  const block = (some: string[]) => element("pre", { class: "summary", tabindex: "0" }, some.join("\n"));
   if (lines.length <= 12) return [block(lines)];
   const rest = element(
     "details",

@@ -162,10 +162,10 @@ def stored(dataset: xr.Dataset) -> dict[str, Any]:
     numbers = {name: [value, unit] for name, (value, unit) in named_numbers(dataset).items() if value is not None}
     ending = {key: found[key] for key in ("title", "outcome", "advice", "doubts", "warnings")}
     ending["doubts"] = [remark_of(str(doubt)) for doubt in ending["doubts"]]
-    return {"event": "ended", "summary": text(found), "numbers": numbers, "curves": _curves(dataset), **ending}
+    return {"event": "ended", "summary": text(found), "numbers": numbers, "curves": curves_of(dataset), **ending}
 
 
-def _curves(dataset: xr.Dataset) -> dict[str, Any]:
+def curves_of(dataset: xr.Dataset) -> dict[str, Any]:
     """Return the curves of the places that the scenario names: `path`, and by quantity the unit and values by place."""
     rows = slice(None, None, 1 + dataset.sizes[path_name(dataset)] // MOST_POINTS)
     found: dict[str, list[tuple[str, Any, str]]] = {}
