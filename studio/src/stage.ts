@@ -1,8 +1,8 @@
+import { Camera } from "./camera";
 import { bar, stepOf, steps } from "./colours";
 import { diagram } from "./diagrams";
 import type { Film, Frame, Layout } from "./film";
 import { type Picture, type State, valuesAlong } from "./picture";
-import type { Space } from "./space";
 import { arrow, BEHIND, line, type Pen, type Spot, type Surface, symbol, triangle } from "./symbols";
 import { ticks, written } from "./units";
 
@@ -48,7 +48,7 @@ export class Stage {
   private pen!: Pen;
 
   private closing = new AbortController();
-  private space?: Space | null; // null: it is on its way, or there is none
+  private orbit?: Camera;
 
   constructor(readonly canvas: HTMLCanvasElement) {
     new ResizeObserver(() => this.draw()).observe(canvas);
@@ -59,15 +59,13 @@ export class Stage {
   /** Let go of what outlives the canvas. */
   close(): void {
     this.closing.abort();
-    this.space?.close();
-    this.space = null;
     this.show(undefined);
   }
 
   show(scene: Scene | undefined, view?: View): void {
     this.scene = scene;
     if (view) this.view = view;
-    if (this.orbits && this.space === undefined) this.open();
+    if (this.orbits) this.orbit ??= new Camera(this.canvas, () => this.draw(), this.closing.signal);
     this.draw();
   }
 
@@ -75,18 +73,9 @@ export class Stage {
     return this.scene?.orbits === true && this.scene.layout.axes.length === 3 && !this.scene.picture.around;
   }
 
-  /** Fetch what draws in space; where the browser cannot, the elevation stays. */
-  private async open(): Promise<void> {
-    this.space = null;
-    if (!SPACE || !document.createElement("canvas").getContext("webgl2")) return;
-    const { Space } = await import("./space");
-    if (!this.closing.signal.aborted) this.space = new Space(this.canvas, () => this.draw());
-    this.draw();
-  }
-
   /** The camera that is in use. */
-  private get camera(): Space | undefined {
-    return this.orbits ? (this.space ?? undefined) : undefined;
+  private get camera(): Camera | undefined {
+    return this.orbits ? this.orbit : undefined;
   }
 
   draw(): void {
@@ -113,7 +102,7 @@ export class Stage {
 
   /** Where a point is in the picture, in pixels. */
   private point = (at: ArrayLike<number>): Spot => {
-    if (this.camera) return this.camera.pixel([at[0], at[1], at[2]]);
+    if (this.camera) return this.camera.pixel(at);
     const [sx, ox, sz, oz] = this.scale;
     return [ox + sx * at[0], oz + sz * at[at.length - 1]];
   };
@@ -190,7 +179,7 @@ export class Stage {
     ink.font = `${style.fontSize} ${style.fontFamily}`;
     ink.lineJoin = ink.lineCap = "round";
     this.fit(width, height);
-    if (this.space && !this.camera) this.space.isShown = false;
+    if (this.orbit && !this.camera) this.orbit.isShown = false;
     if (!scene) {
       ink.fillStyle = colour("--faint");
       ink.textAlign = "center";
@@ -209,13 +198,13 @@ export class Stage {
     const { ghost, layout, beside } = scene;
     if (ghost?.length) this.line(ghost, 0, ghost.length / layout.axes.length, colour("--ghost"), [7, 5]);
     if (beside) {
-      for (const [, first, count] of this.camera ? [] : beside.layout.nodes)
+      for (const [, first, count] of beside.layout.nodes)
         this.line(beside.frame.position, first, count, colour("--beside"), [], 3, beside.reference);
       this.symbols(beside, { ink, colour: () => colour("--beside") });
     }
     this.symbols(scene, this.pen, true);
     this.symbols(scene, this.pen);
-    if (!this.camera) this.links(scene);
+    this.links(scene);
     for (const [, node] of this.supportNodes())
       triangle(this.pen, this.at(scene.frame.position, node, scene.reference));
     this.forces(scene);
@@ -248,25 +237,16 @@ export class Stage {
     }
   }
 
-  private inSpace(camera: Space, scene: Scene, width: number, height: number): void {
+  /** The floor, and where the axes point to. */
+  private inSpace(camera: Camera, { layout, frame }: Scene, width: number, height: number): void {
     const { ink, colour } = this.pen;
-    const { layout, frame, beside, picture, state } = scene;
     const low = sum(this.rows(height)); // of the diagrams below
-    const larger = ({ frame: { position }, reference }: Drawn) =>
-      this.factor === 1 ? position : position.map((value, i) => reference[i] + this.factor * (value - reference[i]));
-    const drawn = {
-      layout,
-      frame,
-      position: larger(scene),
-      colour: picture.colour,
-      shown: picture.colour && state.ranges[picture.colour.name],
-      floor: this.view.z[0],
-      beside: beside && { layout: beside.layout, position: larger(beside) },
-    };
-    camera.draw(drawn, width, height, low, colour);
-    const { ways, floor } = camera.axes();
+    camera.begin(layout, frame.position, width, height - low);
+    const floor = camera.floor(this.pen, this.view.z[0]);
     const [x, y] = [52, height - low - 46];
-    for (const [name, right, up] of ways) {
+    ink.fillStyle = colour("--faint");
+    for (const [k, name] of ["x", "y", "z"].entries()) {
+      const [right, up] = camera.seen([0, 1, 2].map((a) => +(a === k)));
       const size = Math.hypot(right, up);
       if (size < 0.1) continue;
       arrow(ink, [x, y], [right / size, -up / size], 32 * size, colour("--faint"));
@@ -323,14 +303,17 @@ export class Stage {
     const { ink, colour } = this.pen;
     const names = steps(colour("--dark") === "1");
     const shown = picture.colour && state.ranges[picture.colour.name];
-    if (layout.cells.length) {
-      ink.strokeStyle = colour("--faint");
-      ink.lineWidth = 0.5;
+    const values = picture.colour?.of === "cell" ? frame[picture.colour.name] : undefined;
+    ink.strokeStyle = colour("--faint");
+    ink.lineWidth = 0.5;
+    for (const [k, cell] of layout.cells.entries()) {
       ink.beginPath();
-      for (const [a, b, c] of layout.cells) {
-        ink.moveTo(...this.at(frame.position, a, reference));
-        for (const i of [b, c, a]) ink.lineTo(...this.at(frame.position, i, reference));
-      }
+      for (const i of cell) ink.lineTo(...this.at(frame.position, i, reference));
+      ink.closePath();
+      ink.globalAlpha = 0.72;
+      if (shown && values) ink.fillStyle = names[stepOf(values[k] / shown.size, shown.low, shown.high)];
+      if (shown && values) ink.fill();
+      ink.globalAlpha = 1;
       ink.stroke();
     }
     ink.lineWidth = 3.5;
@@ -399,10 +382,8 @@ export class Stage {
     const { ink, colour } = this.pen;
     const size = Math.hypot(...force);
     if (!(size > 0) || Number.isNaN(at[0])) return;
-    const seen = this.camera?.axes().ways;
-    const [right, up] = [1, 2].map((a) =>
-      seen ? sum(force.map((f, k) => f * (seen[k][a] as number))) : force[a === 1 ? 0 : force.length - 1],
-    );
+    const seen = this.camera?.seen(force);
+    const [right, up] = seen ?? [force[0], force[force.length - 1]];
     const flat = Math.hypot(right, up) || 1;
     const way: Spot = [right / flat, -up / flat];
     const along = seen ? flat / size : 1; // what of it is not along the line of sight
