@@ -1,5 +1,5 @@
+import { button, element } from "./dom";
 import type { Layout } from "./film";
-import { button, element } from "./player";
 import type { Pen, Spot } from "./symbols";
 import { ticks, written } from "./units";
 

@@ -1,8 +1,9 @@
 import type { ByHand } from "./byhand";
 import { type Connection, Latest } from "./connection";
+import { button, element, select } from "./dom";
 import { Film, type Frame, type Layout } from "./film";
 import type { Message } from "./messages";
-import { button, element, viewOf } from "./player";
+import { viewOf } from "./player";
 import type { Scene, Stage, View } from "./stage";
 import { written } from "./units";
 
@@ -45,6 +46,10 @@ function sceneOf({ head, arrays }: Message): Scene {
   return { layout, picture, state, frame, reference: frame.reference, ghost: frame.ghost };
 }
 
+const CONTACTS = [
+  ["clamped", "clamped: the rope's friction holds it"],
+  ["frictionless", "frictionless: a hold force keeps it"],
+] as const;
 const NEAR = 22; // pixels around a handle in which the mouse grasps it
 const FINGER = 36; // pixels in which a finger does
 const WIDTH = 0.01; // m, of a line that has told none, in the wind that is made by hand
@@ -257,18 +262,11 @@ export class Drag {
   private panel(): void {
     const { load, pose } = this;
     if (!load || !pose) return;
-    const contact = element("select", { "aria-label": "Contact" });
-    for (const [value, text] of [
-      ["clamped", "clamped: the rope's friction holds it"],
-      ["frictionless", "frictionless: a hold force keeps it"],
-    ])
-      contact.append(element("option", { value }, text));
+    const contact = select("Contact", [...CONTACTS], (value) => this.want({ contact: value }));
     contact.value = pose.contact;
-    contact.onchange = () => this.want({ contact: contact.value });
-    const which = element("select", { "aria-label": "Load" });
-    which.append(...this.loads.map((one) => element("option", { value: one.name }, one.name)));
+    const names = this.loads.map(({ name }) => name);
+    const which = select("Load", names, (name) => this.take(this.loads.find((one) => one.name === name)));
     which.value = load.name;
-    which.onchange = () => this.take(this.loads.find((one) => one.name === which.value));
     const go = button("Let go", () => this.pose && this.told.released(this.pose), {
       title: "It slides and swings as a mass that weighs as much",
     });

@@ -1,6 +1,6 @@
+import { button, choices, element, select } from "./dom";
 import { Source } from "./edits";
 import { type Field, fieldsOf, joined } from "./fields";
-import { button, element } from "./player";
 import type { Schema } from "./schema";
 
 /** Something to be told at the key to which it belongs. */
@@ -62,7 +62,7 @@ export class Form {
     if (wrong || !this.schema) return;
     for (const key of this.begun) if (this.isWritten(key)) this.begun.delete(key);
     const lines = ["lines", "overhead_lines", "nets"].flatMap((key) => this.source.keys([key]));
-    this.names.replaceChildren(...lines.map((value) => element("option", { value })));
+    this.names.replaceChildren(...choices(lines));
     const root = fieldsOf(this.schema, this.source, this.begun);
     const used = new Set<string>();
     settle(this.fields, [...root.fields.map((one) => this.row(one, used)), this.adder(root, used)]);
@@ -177,11 +177,8 @@ export class Form {
     const row: Row = { element: made, remarks, field, update: () => {} };
     let kind: HTMLSelectElement | undefined;
     if (field.kinds.length) {
-      kind = element("select", { "aria-label": `Kind of ${field.name}` });
-      const choose = kind;
-      kind.append(element("option", { value: "" }, "choose a kind"));
-      kind.append(...field.kinds.map((value) => element("option", { value }, value)));
-      kind.onchange = () => this.change(() => this.withKind(row.field, choose.value));
+      const choose = (value: string) => this.change(() => this.withKind(row.field, value));
+      kind = select(`Kind of ${field.name}`, [["", "choose a kind"], ...field.kinds], choose);
       tools.append(kind);
     }
     if (field.canBeBlock) tools.append(this.button("One value", `${field.name} as one value`, () => this.single(row)));
@@ -216,9 +213,8 @@ export class Form {
     places.forEach((place, i) => {
       const named = { id: i ? `${id}-${i}` : id, ...(place ? { "aria-label": `${field.name} ${axis(place)}` } : {}) };
       if (field.shape === "choice") {
-        const select = element("select", { ...named, ...about, ...required });
-        select.append(...["", ...field.words].map((word) => element("option", { value: word }, word || "–")));
-        inputs.push(select);
+        const words = choices([["", "–"], ...field.words]);
+        inputs.push(element("select", { ...named, ...about, ...required }, ...words));
       } else {
         const list = field.name === "on" ? "form-lines" : field.words.length ? `${id}-words` : undefined;
         const preset = field.shape === "vector" ? axis(place) : field.preset;
@@ -228,11 +224,8 @@ export class Form {
     });
     for (const [i, input] of inputs.entries()) input.onchange = () => this.entered(row.field, inputs, i);
     const box = element("div", { class: "entry" }, ...inputs);
-    if (field.words.length && field.shape !== "choice") {
-      const words = element("datalist", { id: `${id}-words` });
-      words.append(...field.words.map((value) => element("option", { value })));
-      box.append(words);
-    }
+    if (field.words.length && field.shape !== "choice")
+      box.append(element("datalist", { id: `${id}-words` }, ...choices(field.words)));
     if (field.unit)
       box.append(element("span", { class: "unit", title: "SI unit; write any other, as 5 km/h" }, field.unit));
     if (field.canBeBlock) box.append(this.button("Table", `${field.name} as a table`, () => this.table(row.field)));
@@ -336,17 +329,15 @@ export class Form {
   private chooser(field: Field): Row {
     const { path } = field;
     const where = field.name || "the scenario";
-    const select = element("select", { "aria-label": `Add a key to ${where}` });
-    select.onchange = () => {
-      const name = select.value;
-      select.value = "";
+    const keys = select(`Add a key to ${where}`, [], (name) => {
+      keys.value = "";
       if (name) this.begin([...path, name]);
-    };
-    const made = element("div", { class: "row add" }, select);
+    });
+    const made = element("div", { class: "row add" }, keys);
     const update = ({ more }: Field) => {
       made.hidden = !more.length;
       const told = more.map(({ name, about }) => element("option", { value: name, title: about }, name));
-      select.replaceChildren(element("option", { value: "" }, `Add to ${where}…`), ...told);
+      keys.replaceChildren(element("option", { value: "" }, `Add to ${where}…`), ...told);
     };
     return { element: made, remarks: made, field, update };
   }

@@ -2,6 +2,7 @@ import { type ByHand, intoText, saidByHand } from "./byhand";
 import type { Sweep } from "./cases";
 import { besides, type Models, models } from "./compare";
 import { Connection, type Heard } from "./connection";
+import { button, choices, coloursOf, element, folded, pairs } from "./dom";
 import { type Doubt, listed } from "./doubts";
 import { Drag } from "./drag";
 import { Editor, type Problem } from "./editor";
@@ -10,7 +11,7 @@ import { type Curves, Film } from "./film";
 import { Form } from "./form";
 import { Lesson, type Step } from "./lesson";
 import type { Message } from "./messages";
-import { button, type Described, element, folded, numbersOf, Player } from "./player";
+import { type Described, numbersOf, Player } from "./player";
 import { Plots } from "./plots";
 import type { Schema } from "./schema";
 import { Stage } from "./stage";
@@ -200,8 +201,7 @@ function anew(hasPicture = false, step?: Step): number {
 }
 
 function numbersShown(scene: Described, frame: Record<string, Float32Array>, dragged = ""): void {
-  const rows = numbersOf(scene, frame, dragged);
-  numbers.replaceChildren(...rows.flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]));
+  numbers.replaceChildren(...pairs(numbersOf(scene, frame, dragged)));
 }
 
 /** Write what was changed by hand into the text. */
@@ -258,17 +258,15 @@ async function resume({ id, do: what, text = "", name = "", unkept }: Record<str
 }
 
 function list(head: Record<string, unknown>): void {
-  const named = (kind: string, names: unknown) => (names as string[]).map((name) => [`${kind}:${name}`, name]);
+  const named = (kind: string, names: unknown) => (names as string[]).map((name) => [`${kind}:${name}`, name] as const);
   const groups = {
     Scenarios: named("file", head.scenarios),
     Results: named("result", head.results),
-    Examples: templates.map(({ name, title }) => [`template:${name}`, title]),
+    Examples: templates.map(({ name, title }) => [`template:${name}`, title] as const),
   };
   open.replaceChildren(element("option", { value: "" }, "Open…"));
   for (const [label, options] of Object.entries(groups)) {
-    const group = element("optgroup", { label });
-    group.append(...options.map(([value, text]) => element("option", { value }, text)));
-    open.append(group);
+    open.append(element("optgroup", { label }, ...choices(options)));
   }
 }
 
@@ -563,8 +561,7 @@ async function begin(step: Step): Promise<void> {
 // -- Keys -------------------------------------------------------------------------------------------------------
 
 theme.onclick = () => {
-  const dark = getComputedStyle(document.documentElement).getPropertyValue("--dark").trim() === "1";
-  document.documentElement.dataset.theme = dark ? "light" : "dark";
+  document.documentElement.dataset.theme = coloursOf(document.body)("--dark") === "1" ? "light" : "dark";
   redraw();
 };
 large.onclick = () => {

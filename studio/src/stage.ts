@@ -1,6 +1,7 @@
 import { Camera } from "./camera";
 import { bar, stepOf, steps } from "./colours";
 import { diagram } from "./diagrams";
+import { coloursOf } from "./dom";
 import type { Film, Frame, Layout } from "./film";
 import { type Picture, type State, valuesAlong } from "./picture";
 import { arrow, BEHIND, line, type Pen, type Spot, type Surface, symbol, triangle } from "./symbols";
@@ -173,10 +174,10 @@ export class Stage {
     if (!ink) return;
     ink.setTransform(ratio, 0, 0, ratio, 0, 0);
     ink.clearRect(0, 0, width, height);
-    const style = getComputedStyle(canvas);
-    const colour = (name: string) => style.getPropertyValue(name).trim();
+    const { fontSize, fontFamily } = getComputedStyle(canvas);
+    const colour = coloursOf(canvas);
     this.pen = { ink, colour };
-    ink.font = `${style.fontSize} ${style.fontFamily}`;
+    ink.font = `${fontSize} ${fontFamily}`;
     ink.lineJoin = ink.lineCap = "round";
     this.fit(width, height);
     if (this.orbit && !this.camera) this.orbit.isShown = false;

@@ -1,7 +1,8 @@
+import { element, folded, pairs } from "./dom";
 import type { Doubt } from "./doubts";
 import { type Curves, Film } from "./film";
 import type { Message } from "./messages";
-import { element, folded, numbersOf, Player } from "./player";
+import { numbersOf, Player } from "./player";
 import { Plots } from "./plots";
 import { Stage } from "./stage";
 import "./style.css";
@@ -38,9 +39,7 @@ export class Viewer {
     const plots = new Plots(plotted, (path) => this.player.go(path));
     this.player = new Player(this.stage, plots);
     this.player.shown = (shown, frame) => {
-      numbers.replaceChildren(
-        ...numbersOf(shown, frame).flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]),
-      );
+      numbers.replaceChildren(...pairs(numbersOf(shown, frame)));
     };
     const own = (doubts as Doubt[]) ?? [];
     this.stage.doubted = own.map(({ key }) => key);
