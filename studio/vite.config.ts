@@ -52,6 +52,7 @@ export default defineConfig(({ mode }) => {
       outDir: isSingle ? `${PAGE}/${mode}` : PAGE,
       emptyOutDir: true,
       cssCodeSplit: false,
+      cssTarget: ["chrome111", "firefox114", "safari16.4"], // without light-dark(), which scripts read as it is written
       modulePreload: false,
       chunkSizeWarningLimit: 1500,
       rollupOptions: {

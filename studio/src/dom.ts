@@ -39,17 +39,10 @@ export function pairs(rows: (readonly [string, string])[]): HTMLElement[] {
   return rows.flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]);
 }
 
-/** The colours of the style at an element, by the names of their variables; of `light-dark()` the one that holds. */
+/** The colours of the style at an element, by the names of their variables. */
 export function coloursOf(place: Element): (name: string) => string {
   const style = getComputedStyle(place);
-  const { colorScheme } = style;
-  const isDark = /light/.test(colorScheme)
-    ? /dark/.test(colorScheme) && matchMedia("(prefers-color-scheme: dark)").matches
-    : colorScheme === "dark";
-  return (name) => {
-    const value = style.getPropertyValue(name).trim();
-    return /^light-dark\((.+), (.+)\)$/.exec(value)?.[isDark ? 2 : 1] ?? value;
-  };
+  return (name) => style.getPropertyValue(name).trim();
 }
 
 /** A summary: its first ten lines, the others folded. */

@@ -42,7 +42,7 @@ const doubted = (page) =>
     .first()
     .evaluate((canvas) => {
       const probe = document.createElement("canvas").getContext("2d");
-      probe.fillStyle = getComputedStyle(canvas).getPropertyValue("--bad").match(/#\w{6}/)[0]; // in the light
+      probe.fillStyle = getComputedStyle(canvas).getPropertyValue("--bad");
       probe.fillRect(0, 0, 1, 1);
       const bad = probe.getImageData(0, 0, 1, 1).data;
       const { data, width } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
