@@ -65,6 +65,15 @@ function nearest({ position, contact_position }: Frame, { axes, loads }: Layout,
   return node;
 }
 
+/** All of the lines, and below them what a load needs. */
+function viewOfPose({ frame: { position }, layout: { axes } }: Scene): View {
+  const along = position.filter((_, i) => i % axes.length === 0);
+  const [low, high] = [Math.min(...along), Math.max(...along)];
+  const w = high - low;
+  const level = Math.max(position[axes.length - 1], position[position.length - 1]);
+  return { x: [low - 0.04 * w, high + 0.04 * w], z: [level - 0.24 * w, level + 0.07 * w], force: 1 };
+}
+
 /** The load under the pointer: the equilibrium for every place, and what else can be changed by hand. */
 export class Drag {
   private loads: Load[] = [];
@@ -161,37 +170,15 @@ export class Drag {
     }
     const scene = sceneOf(message);
     this.loaded = nearest(scene.frame, scene.layout, pose.load);
-    this.view ??= this.room(scene);
-    this.fit(scene);
+    this.view ??= viewOfPose(scene);
+    const { reaction, contact_force } = scene.frame;
+    this.view.force = Math.max(...[...reaction, ...contact_force].map(Math.abs).filter(Number.isFinite), 1);
     this.stage.show(scene, this.view);
     this.told.shown(scene, pose.load);
     requestAnimationFrame(() => {
       this.delays.push(performance.now() - since);
       if (this.delays.length > 2000) this.delays.shift();
     });
-  }
-
-  private room(scene: Scene): View {
-    const { position } = scene.frame;
-    const axes = scene.layout.axes.length;
-    const x: [number, number] = [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY];
-    for (let i = 0; i < position.length; i += axes) {
-      x[0] = Math.min(x[0], position[i]);
-      x[1] = Math.max(x[1], position[i]);
-    }
-    const w = x[1] - x[0];
-    const level = Math.max(position[axes - 1], position[position.length - 1]);
-    return {
-      x: [x[0] - 0.04 * w, x[1] + 0.04 * w],
-      z: [level - 0.24 * w, level + 0.07 * w],
-      force: 1,
-    };
-  }
-
-  private fit(scene: Scene): void {
-    const { reaction, contact_force } = scene.frame;
-    const view = this.view as View;
-    view.force = Math.max(...[...reaction, ...contact_force].map((f) => Math.abs(f)).filter(Number.isFinite), 1);
   }
 
   /** Pixels of the canvas at which a pointer is; the page may be zoomed. */

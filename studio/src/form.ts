@@ -79,17 +79,27 @@ export class Form {
       for (const input of inputsOf(row)) input.removeAttribute("aria-invalid");
     }
     for (const remark of remarks) {
-      const within = rows.filter(({ field }) => `${remark.key}.`.startsWith(`${field.path.join(".")}.`));
-      const row = within.sort((a, b) => b.field.path.length - a.field.path.length)[0];
+      const row = this.rowOf(remark.key);
       if (!row) continue;
       const told = remark.message.startsWith(`${remark.key}: `)
         ? remark.message.slice(remark.key.length + 2)
         : remark.message;
       row.remarks.append(element("p", { class: remark.isDoubt ? "doubt" : "error" }, told));
       if (!remark.isDoubt) for (const input of inputsOf(row)) input.setAttribute("aria-invalid", "true");
-      for (let at = row.element.parentElement; at && at !== this.fields; at = at.parentElement)
-        if (at instanceof HTMLDetailsElement) at.open = true;
+      this.unfold(row.element.parentElement);
     }
+  }
+
+  /** The innermost row that shows a key, or what it is in. */
+  private rowOf(key: string): Row | undefined {
+    const rows = [...this.rows.values()].filter(({ field }) => field.path.length);
+    const within = rows.filter(({ field }) => `${key}.`.startsWith(`${field.path.join(".")}.`));
+    return within.sort((a, b) => b.field.path.length - a.field.path.length)[0];
+  }
+
+  private unfold(inside: HTMLElement | null): void {
+    for (let at = inside; at && at !== this.fields; at = at.parentElement)
+      if (at instanceof HTMLDetailsElement) at.open = true;
   }
 
   /** Go to the field of a key, which is begun where it is not written; or to what it would be in. */
@@ -97,12 +107,9 @@ export class Form {
     const path = key.split(".");
     this.begun.add(joined(path));
     this.show(this.source.text);
-    const rows = [...this.rows.values()].filter(({ field }) => field.path.length);
-    const within = rows.filter(({ field }) => `${key}.`.startsWith(`${field.path.join(".")}.`));
-    const row = within.sort((a, b) => b.field.path.length - a.field.path.length)[0];
+    const row = this.rowOf(key);
     if (joined(row?.field.path ?? []) !== joined(path)) this.begun.delete(joined(path));
-    for (let at: HTMLElement | null = row?.element ?? null; at && at !== this.fields; at = at.parentElement)
-      if (at instanceof HTMLDetailsElement) at.open = true;
+    this.unfold(row?.element ?? null);
     row?.element.querySelector<HTMLElement>("input, select, summary")?.focus();
   }
 

@@ -2,7 +2,7 @@ import { type ByHand, intoText, saidByHand } from "./byhand";
 import type { Sweep } from "./cases";
 import { besides, type Models, models } from "./compare";
 import { Connection, type Heard } from "./connection";
-import { button, choices, coloursOf, element, folded, pairs } from "./dom";
+import { button, choices, coloursOf, element, folded } from "./dom";
 import { type Doubt, listed } from "./doubts";
 import { Drag } from "./drag";
 import { Editor, type Problem } from "./editor";
@@ -11,10 +11,8 @@ import { type Curves, Film } from "./film";
 import { Form } from "./form";
 import { Lesson, type Step } from "./lesson";
 import type { Message } from "./messages";
-import { type Described, numbersOf, Player } from "./player";
-import { Plots } from "./plots";
+import { Player } from "./player";
 import type { Schema } from "./schema";
-import { Stage } from "./stage";
 import { SweepTab } from "./sweep";
 import { tabbed } from "./tabs";
 import "./style.css";
@@ -43,13 +41,8 @@ const large = button("A", undefined, {
   "aria-label": "Large type",
   title: "Large type, for projectors",
 });
-const canvas = element("canvas", {
-  tabindex: "0",
-  role: "img",
-  "aria-label": "The structure; arrow keys move the load or step through time",
-});
-const plotted = element("div", { class: "plots", tabindex: "0", role: "group", "aria-label": "Curves" });
-const numbers = element("dl", { class: "numbers", "aria-live": "off" });
+const player = new Player("The structure; arrow keys move the load or step through time");
+const { stage, canvas, plotted, numbers } = player;
 const said = element("div");
 const summary = element("div");
 const exports = element("div", { class: "row" });
@@ -80,9 +73,6 @@ const { bar, show } = tabbed(tabs, names, (key) => {
   if (key === "form") form.show(editor.text);
 });
 
-const stage = new Stage(canvas);
-const plots = new Plots(plotted, (path) => player.go(path));
-const player = new Player(stage, plots);
 document.body.append(
   element(
     "header",
@@ -137,7 +127,7 @@ const form = new Form(filled, {
 const dragging = new Drag(server, stage, canvas, values, {
   shown: (scene, load) => {
     if (!running) under("");
-    numbersShown(scene, scene.frame, load);
+    player.count(scene, scene.frame, load);
   },
   failed: (why) => {
     under("");
@@ -200,10 +190,6 @@ function anew(hasPicture = false, step?: Step): number {
   return ++turn;
 }
 
-function numbersShown(scene: Described, frame: Record<string, Float32Array>, dragged = ""): void {
-  numbers.replaceChildren(...pairs(numbersOf(scene, frame, dragged)));
-}
-
 /** Write what was changed by hand into the text. */
 function takeOver(hand: ByHand): boolean {
   try {
@@ -215,7 +201,6 @@ function takeOver(hand: ByHand): boolean {
   tell(`in the text now: ${saidByHand(hand).join("; ")}`);
   return true;
 }
-player.shown = numbersShown;
 
 // -- Files ------------------------------------------------------------------------------------------------------
 
@@ -483,8 +468,7 @@ function ended(head: Record<string, unknown>): void {
     film.title = String(head.title);
     film.numbers = head.numbers as Film["numbers"];
     film.curves = head.curves as Curves;
-    plots.clear();
-    player.more();
+    player.redraw();
     const other = player.other;
     if (other) compared.replaceChildren(besides(film.numbers, other.numbers, film.title, other.title));
   }
@@ -570,9 +554,7 @@ large.onclick = () => {
   redraw();
 };
 function redraw(): void {
-  stage.draw();
-  plots.clear();
-  player.more();
+  player.redraw();
   sweeps.draw();
 }
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);

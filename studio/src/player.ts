@@ -1,9 +1,9 @@
-import { button, element, select } from "./dom";
+import { button, element, pairs, select } from "./dom";
 import type { Doubt } from "./doubts";
 import type { Film, Frame, Layout } from "./film";
 import { type Picture, type State, said } from "./picture";
-import type { Plots } from "./plots";
-import type { Stage, View } from "./stage";
+import { Plots } from "./plots";
+import { Stage, type View } from "./stage";
 import { written } from "./units";
 
 const SPEEDS = [0.02, 0.1, 0.25, 0.5, 1, 2, 5].map((value) => [`${value}`, `${value} × speed`] as const);
@@ -14,6 +14,11 @@ const FACTORS = [0, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].map(
 /** Plays the frames of a run: those that are there, while others come. */
 export class Player {
   readonly bar: HTMLElement;
+  readonly canvas: HTMLCanvasElement;
+  readonly plotted = element("div", { class: "plots", tabindex: "0", role: "group", "aria-label": "Curves" });
+  readonly numbers = element("dl", { class: "numbers", "aria-live": "off" });
+  readonly stage: Stage;
+  private plots = new Plots(this.plotted, (path) => this.go(path));
   private film?: Film;
   private beside?: Film;
   private view?: View;
@@ -42,13 +47,11 @@ export class Player {
   private clock = element("output", { class: "clock" }, "0 s");
   private pace = select("Speed", SPEEDS, () => this.chosen(), { title: "Speed" });
   private larger = select("Exaggeration", FACTORS, () => this.chosen(), { title: "Exaggeration of displacements" });
-  /** Called with what is shown. */
-  shown: (film: Film, frame: Frame) => void = () => {};
 
-  constructor(
-    private stage: Stage,
-    private plots: Plots,
-  ) {
+  /** `label`: of the picture, for those who do not see it. */
+  constructor(label: string) {
+    this.canvas = element("canvas", { tabindex: "0", role: "img", "aria-label": label });
+    this.stage = new Stage(this.canvas);
     this.pace.value = "1";
     this.bar = element(
       "div",
@@ -78,6 +81,18 @@ export class Player {
     this.pace.value = `${speed}`;
     this.larger.value = `${exaggeration}`;
     this.chosen();
+  }
+
+  /** Show the numbers of a frame; `dragged`: its load beside a linear theory. */
+  count(scene: Described, frame: Frame, dragged = ""): void {
+    this.numbers.replaceChildren(...pairs(numbersOf(scene, frame, dragged)));
+  }
+
+  /** Draw anew, in other colours or sizes. */
+  redraw(): void {
+    this.stage.draw();
+    this.plots.clear();
+    this.more();
   }
 
   /** The run that is drawn beside. */
@@ -214,7 +229,7 @@ export class Player {
       const beside = other?.count ? { ...other, frame: other.frame(other.at(this.now)) } : undefined;
       const { layout, picture, state, reference } = film;
       this.stage.show({ layout, frame, picture, state, reference, film, beside, orbits: true }, this.view);
-      this.shown(film, frame);
+      this.count(film, frame);
     }
     this.plots.update(film, this.beside);
     this.plots.cursor(this.now);
@@ -239,7 +254,7 @@ export function viewOf(film: Film, factor: number, beside?: Film): View {
 }
 
 /** What numbers are read of. */
-export interface Described {
+interface Described {
   layout: Layout;
   picture: Picture;
   state: State;

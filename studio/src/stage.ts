@@ -425,7 +425,8 @@ export class Stage {
       ink.fillText(`${+value.toPrecision(6)}`.replace("-", "−"), x, z);
     };
     ink.textAlign = "center";
-    for (const x of ticks(x0, x1, 9)) mark(x, [ox + sx * x, 50, ox + sx * x, low], ox + sx * x, low + 15);
+    for (const x of ticks(x0, x1, 9).filter((x) => ox + sx * x < width - 50))
+      mark(x, [ox + sx * x, 50, ox + sx * x, low], ox + sx * x, low + 15);
     ink.textAlign = "right";
     const { label, level, size } = this.upright(scene);
     const ends = [(z0 - level) / size, (z1 - level) / size];
@@ -461,7 +462,7 @@ export class Stage {
     const plain = ink.font;
     ink.font = `bold ${plain}`;
     const larger = factors.filter(([, factor]) => factor !== 1).map((one) => one.join(" × "));
-    ink.fillText(larger.join(", "), 8, this.camera ? 56 : 24);
+    ink.fillText(larger.join(", "), 8, 24);
     ink.font = plain;
     if (shown) bar(this.pen, quantity.label, shown, width);
     if (!ghost?.length) return;

@@ -54,6 +54,8 @@ def main(pipe: Connection, folder: str, allow_code: bool, memory: int, processes
         _bound("RLIMIT_DATA", memory, is_final=True)
     if (server := multiprocessing.parent_process()) is not None:
         threading.Thread(target=_leave_with, args=(server,), daemon=True).start()
+    import ropewalk.studio.streams  # noqa: F401  (while the first page is loaded)
+
     worker = ComputingProcess(pipe, Path(folder), allow_code, processes, disk)
     with contextlib.suppress(EOFError, OSError, KeyboardInterrupt):
         while True:
@@ -257,11 +259,12 @@ class ComputingProcess:
         """A result that is there, as if it had just been computed; of a sweep, its cases."""
         from ropewalk.results import open_result
         from ropewalk.studio.streams import of_result, stored
-        from ropewalk.studio.sweeps import described
         from ropewalk.sweeps.writing import read
 
         file, number = self._result(str(asked["name"])), asked["id"]
         if (many := read(file)) is not None:
+            from ropewalk.studio.sweeps import described
+
             return {"file": file.name, "sweep": described(many)}
         ticket = asked["ticket"]
         with open_result(file) as dataset:
