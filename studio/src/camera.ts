@@ -69,7 +69,7 @@ export class Camera {
     const wheel = (event: WheelEvent) => {
       if (!this.isShown) return;
       event.preventDefault();
-      this.approach(0.95 ** (event.deltaY / 100));
+      this.approach(0.95 ** ((event.deltaY * (event.deltaMode ? 33 : 1)) / 100)); // some browsers count lines
     };
     canvas.addEventListener("wheel", wheel, { passive: false, signal });
   }

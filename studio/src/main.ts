@@ -7,7 +7,7 @@ import { type Doubt, listed } from "./doubts";
 import { Drag } from "./drag";
 import { Editor, type Problem } from "./editor";
 import { links, OF_RUNS } from "./exports";
-import { type Curves, Film } from "./film";
+import { Film } from "./film";
 import { Form } from "./form";
 import { Lesson, type Step } from "./lesson";
 import type { Message } from "./messages";
@@ -465,9 +465,7 @@ function ended(head: Record<string, unknown>): void {
   if (head.advice) said.prepend(element("p", { class: "hint" }, String(head.advice)));
   summary.replaceChildren(...folded(String(head.summary)));
   if (film) {
-    film.title = String(head.title);
-    film.numbers = head.numbers as Film["numbers"];
-    film.curves = head.curves as Curves;
+    film.complete(head);
     player.redraw();
     const other = player.other;
     if (other) compared.replaceChildren(besides(film.numbers, other.numbers, film.title, other.title));

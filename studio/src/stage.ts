@@ -199,7 +199,8 @@ export class Stage {
     const { ghost, layout, beside } = scene;
     if (ghost?.length) this.line(ghost, 0, ghost.length / layout.axes.length, colour("--ghost"), [7, 5]);
     if (beside) {
-      for (const [, first, count] of beside.layout.nodes)
+      this.cells(beside, colour("--beside"));
+      for (const [, first, count] of linesOf(beside.layout))
         this.line(beside.frame.position, first, count, colour("--beside"), [], 3, beside.reference);
       this.symbols(beside, { ink, colour: () => colour("--beside") });
     }
@@ -300,36 +301,43 @@ export class Stage {
     ink.setLineDash([]);
   }
 
-  private links({ layout, frame, reference, picture, state }: Scene): void {
-    const { ink, colour } = this.pen;
-    const names = steps(colour("--dark") === "1");
-    const shown = picture.colour && state.ranges[picture.colour.name];
-    const values = picture.colour?.of === "cell" ? frame[picture.colour.name] : undefined;
-    ink.strokeStyle = colour("--faint");
+  /** Triangles of nets and membranes: their edges, filled where they have colours. */
+  private cells({ layout, frame, reference }: Drawn, stroke: string, tint?: (k: number) => string): void {
+    const { ink } = this.pen;
+    ink.strokeStyle = stroke;
     ink.lineWidth = 0.5;
     for (const [k, cell] of layout.cells.entries()) {
       ink.beginPath();
       for (const i of cell) ink.lineTo(...this.at(frame.position, i, reference));
       ink.closePath();
       ink.globalAlpha = 0.72;
-      if (shown && values) ink.fillStyle = names[stepOf(values[k] / shown.size, shown.low, shown.high)];
-      if (shown && values) ink.fill();
+      if (tint) ink.fillStyle = tint(k);
+      if (tint) ink.fill();
       ink.globalAlpha = 1;
       ink.stroke();
     }
+  }
+
+  private links(scene: Scene): void {
+    const { layout, frame, reference, picture, state } = scene;
+    const { ink, colour } = this.pen;
+    const names = steps(colour("--dark") === "1");
+    const shown = picture.colour && state.ranges[picture.colour.name];
+    const tint = (value: number) =>
+      shown && Number.isFinite(value) ? names[stepOf(value / shown.size, shown.low, shown.high)] : colour("--faint");
+    const values = picture.colour?.of === "cell" && shown ? frame[picture.colour.name] : undefined;
+    this.cells(scene, colour("--faint"), values && ((k) => tint(values[k])));
     ink.lineWidth = 3.5;
-    for (const [name, first, count] of layout.nodes) {
-      if (layout.links.find(([line]) => line === name)?.[2] !== count - 1) continue;
+    for (const [name, first, count] of linesOf(layout)) {
       const value = valuesAlong(shown ? picture.colour : null, frame, layout, name);
       let last = "";
       for (let i = 0; i < count - 1; i++) {
-        const now = shown ? value(i) / shown.size : Number.NaN;
-        const tint = shown && Number.isFinite(now) ? names[stepOf(now, shown.low, shown.high)] : colour("--faint");
-        if (tint !== last) {
+        const now = tint(value(i));
+        if (now !== last) {
           if (last) ink.stroke();
           ink.beginPath();
           ink.moveTo(...this.at(frame.position, first + i, reference));
-          ink.strokeStyle = last = tint;
+          ink.strokeStyle = last = now;
         }
         ink.lineTo(...this.at(frame.position, first + i + 1, reference));
       }
@@ -475,4 +483,7 @@ export class Stage {
   }
 }
 
+/** Lines of a layout, without nets, whose nodes are in no order. */
+const linesOf = ({ nodes, links }: Layout) =>
+  nodes.filter(([name, , count]) => links.some(([line, , many]) => line === name && many === count - 1));
 const sum = (values: number[]) => values.reduce((a, b) => a + b, 0);

@@ -1,6 +1,6 @@
 import { element, folded } from "./dom";
 import type { Doubt } from "./doubts";
-import { type Curves, Film } from "./film";
+import { Film } from "./film";
 import type { Message } from "./messages";
 import { Player } from "./player";
 import "./style.css";
@@ -16,7 +16,7 @@ export interface Run {
 
 export function filmOf(run: Run): Film {
   const film = new Film(run.messages[0]);
-  film.curves = (run.ended.curves as Curves) ?? film.curves;
+  film.complete(run.ended);
   for (const message of run.messages.slice(1)) film.add(message);
   return film;
 }

@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 MOST_NODES = 50_000  # of a scenario in the studio
 _FAREWELL = 1.5  # s, from the end of the server
 ACKNOWLEDGED = -1  # ticket of the message that a stop has been heard
-EXPORTS = ("png", "svg", "pdf", "csv", "zip", "xlsx", "gif", "mp4")
 Answer = dict[str, Any]
 
 
@@ -345,8 +344,6 @@ class ComputingProcess:
                     return {"error": f"{kind}: sweeps are exported as png, svg, pdf, csv or xlsx"}
                 write(many, made)
                 return made.read_bytes()
-            if kind not in ("page", "report", *EXPORTS):
-                return {"error": f"{kind}: results are exported as page, report, {', '.join(EXPORTS)}"}
             with open_result(file) as dataset:
                 if kind in ("page", "report"):
                     return (shared if kind == "page" else html_report)(dataset).encode()
