@@ -90,9 +90,9 @@ export class Player {
 
   /** Draw anew, in other colours or sizes. */
   redraw(): void {
-    this.stage.draw();
     this.plots.clear();
-    this.more();
+    this.refresh(); // at once: without curves the picture would be painted too high
+    this.stage.draw();
   }
 
   /** The run that is drawn beside. */

@@ -414,7 +414,7 @@ export class Stage {
     ink.strokeStyle = colour("--panel");
     ink.fillStyle = stroke;
     for (const draw of ["strokeText", "fillText"] as const)
-      ink[draw](text, inside, z + (way[1] > 0.3 ? 10 : name ? -12 : 0));
+      ink[draw](text, inside, Math.max(z + (way[1] > 0.3 ? 10 : name ? -12 : 0), 60)); // below the title
     ink.textAlign = "left";
   }
 
@@ -422,7 +422,8 @@ export class Stage {
   private axes(scene: Scene, width: number, height: number): void {
     const { ink, colour } = this.pen;
     const low = height - MARGIN.bottom + 12;
-    const [x0, z0] = this.place(EDGE.left, low - sum(this.rows(height)));
+    const rows = this.rows(height);
+    const [x0, z0] = this.place(EDGE.left, low - sum(rows) - (rows.length ? 14 : 0)); // above the title of a diagram
     const [x1, z1] = this.place(width - EDGE.right, 54);
     ink.strokeStyle = colour("--grid");
     ink.fillStyle = colour("--faint");
