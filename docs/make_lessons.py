@@ -28,7 +28,7 @@ def reduced(dataset: xr.Dataset) -> xr.Dataset:
             finest = FINEST.get(str(name), 0.0 if array.attrs["units"] == "1" else OTHERS)
             values = np.round(array.values / finest) * finest if finest else array.values
             kept[name] = (array.dims, values.astype(np.float32), array.attrs)
-    kept.attrs["ended"] = json.dumps(stored(dataset))
+    kept.attrs["ended"] = json.dumps({key: value for key, value in stored(dataset).items() if key != "curves"})
     return kept
 
 

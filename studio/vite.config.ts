@@ -41,19 +41,18 @@ function oneModule(script: string, style: string): { fileName: string; source: s
 const PAGE = "../src/ropewalk/studio/page";
 const SINGLE = { share: onePage, widget: oneModule };
 
-// Modes `share` and `widget` make one file each, for what stays in a plane; with `-space` behind it they can draw in space
-// as well, which needs three.js. The page itself fetches that when something in space is shown.
+// Modes `share` and `widget` make one file each.
 export default defineConfig(({ mode }) => {
-  const [single, space] = mode.split("-") as [keyof typeof SINGLE, string | undefined];
+  const single = mode as keyof typeof SINGLE;
   const isSingle = single in SINGLE;
   return {
     base: isSingle ? "/" : "./",
-    define: { SPACE: JSON.stringify(!isSingle || space !== undefined) },
     plugins: isSingle ? [inOneFile(SINGLE[single])] : [],
     build: {
       outDir: isSingle ? `${PAGE}/${mode}` : PAGE,
       emptyOutDir: true,
       cssCodeSplit: false,
+      cssTarget: ["chrome111", "firefox114", "safari16.4"], // without light-dark(), which scripts read as it is written
       modulePreload: false,
       chunkSizeWarningLimit: 1500,
       rollupOptions: {

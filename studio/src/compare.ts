@@ -1,5 +1,5 @@
 import { told } from "./cases";
-import { element } from "./player";
+import { element } from "./dom";
 
 /** Numbers of a run by their names, with their units. */
 export type Numbers = Record<string, [number, string]>;

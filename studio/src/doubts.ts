@@ -1,4 +1,4 @@
-import { button, element } from "./player";
+import { button, element } from "./dom";
 
 /** A reason not to trust a run, as `ropewalk.studio.streams` tells it: when, and which key of the scenario is to blame. */
 export interface Doubt {

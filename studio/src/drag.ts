@@ -1,8 +1,9 @@
 import type { ByHand } from "./byhand";
 import { type Connection, Latest } from "./connection";
+import { button, element, select } from "./dom";
 import { Film, type Frame, type Layout } from "./film";
 import type { Message } from "./messages";
-import { button, element, viewOf } from "./player";
+import { viewOf } from "./player";
 import type { Scene, Stage, View } from "./stage";
 import { written } from "./units";
 
@@ -45,6 +46,10 @@ function sceneOf({ head, arrays }: Message): Scene {
   return { layout, picture, state, frame, reference: frame.reference, ghost: frame.ghost };
 }
 
+const CONTACTS = [
+  ["clamped", "clamped: the rope's friction holds it"],
+  ["frictionless", "frictionless: a hold force keeps it"],
+] as const;
 const NEAR = 22; // pixels around a handle in which the mouse grasps it
 const FINGER = 36; // pixels in which a finger does
 const WIDTH = 0.01; // m, of a line that has told none, in the wind that is made by hand
@@ -58,6 +63,15 @@ function nearest({ position, contact_position }: Frame, { axes, loads }: Layout,
     if (distance < least) [node, least] = [i / axes.length, distance];
   }
   return node;
+}
+
+/** All of the lines, and below them what a load needs. */
+function viewOfPose({ frame: { position }, layout: { axes } }: Scene): View {
+  const along = position.filter((_, i) => i % axes.length === 0);
+  const [low, high] = [Math.min(...along), Math.max(...along)];
+  const w = high - low;
+  const level = Math.max(position[axes.length - 1], position[position.length - 1]);
+  return { x: [low - 0.04 * w, high + 0.04 * w], z: [level - 0.24 * w, level + 0.07 * w], force: 1 };
 }
 
 /** The load under the pointer: the equilibrium for every place, and what else can be changed by hand. */
@@ -156,37 +170,15 @@ export class Drag {
     }
     const scene = sceneOf(message);
     this.loaded = nearest(scene.frame, scene.layout, pose.load);
-    this.view ??= this.room(scene);
-    this.fit(scene);
+    this.view ??= viewOfPose(scene);
+    const { reaction, contact_force } = scene.frame;
+    this.view.force = Math.max(...[...reaction, ...contact_force].map(Math.abs).filter(Number.isFinite), 1);
     this.stage.show(scene, this.view);
     this.told.shown(scene, pose.load);
     requestAnimationFrame(() => {
       this.delays.push(performance.now() - since);
       if (this.delays.length > 2000) this.delays.shift();
     });
-  }
-
-  private room(scene: Scene): View {
-    const { position } = scene.frame;
-    const axes = scene.layout.axes.length;
-    const x: [number, number] = [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY];
-    for (let i = 0; i < position.length; i += axes) {
-      x[0] = Math.min(x[0], position[i]);
-      x[1] = Math.max(x[1], position[i]);
-    }
-    const w = x[1] - x[0];
-    const level = Math.max(position[axes - 1], position[position.length - 1]);
-    return {
-      x: [x[0] - 0.04 * w, x[1] + 0.04 * w],
-      z: [level - 0.24 * w, level + 0.07 * w],
-      force: 1,
-    };
-  }
-
-  private fit(scene: Scene): void {
-    const { reaction, contact_force } = scene.frame;
-    const view = this.view as View;
-    view.force = Math.max(...[...reaction, ...contact_force].map((f) => Math.abs(f)).filter(Number.isFinite), 1);
   }
 
   /** Pixels of the canvas at which a pointer is; the page may be zoomed. */
@@ -257,18 +249,11 @@ export class Drag {
   private panel(): void {
     const { load, pose } = this;
     if (!load || !pose) return;
-    const contact = element("select", { "aria-label": "Contact" });
-    for (const [value, text] of [
-      ["clamped", "clamped: the rope's friction holds it"],
-      ["frictionless", "frictionless: a hold force keeps it"],
-    ])
-      contact.append(element("option", { value }, text));
+    const contact = select("Contact", [...CONTACTS], (value) => this.want({ contact: value }));
     contact.value = pose.contact;
-    contact.onchange = () => this.want({ contact: contact.value });
-    const which = element("select", { "aria-label": "Load" });
-    which.append(...this.loads.map((one) => element("option", { value: one.name }, one.name)));
+    const names = this.loads.map(({ name }) => name);
+    const which = select("Load", names, (name) => this.take(this.loads.find((one) => one.name === name)));
     which.value = load.name;
-    which.onchange = () => this.take(this.loads.find((one) => one.name === which.value));
     const go = button("Let go", () => this.pose && this.told.released(this.pose), {
       title: "It slides and swings as a mass that weighs as much",
     });

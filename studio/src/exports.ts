@@ -1,4 +1,4 @@
-import { element } from "./player";
+import { element } from "./dom";
 
 type Kinds = [string, [string, string][]][];
 

@@ -70,6 +70,13 @@ export class Film {
     this.changed++;
   }
 
+  /** Take what is known when the run has ended. */
+  complete({ title, numbers, curves }: Message["head"]): void {
+    this.title = String(title);
+    this.numbers = (numbers as Film["numbers"]) ?? {};
+    this.curves = (curves as Curves) ?? this.curves;
+  }
+
   get version(): number {
     return this.changed;
   }

@@ -1,6 +1,6 @@
+import { button, choices, element, select } from "./dom";
 import { Source } from "./edits";
 import { type Field, fieldsOf, joined } from "./fields";
-import { button, element } from "./player";
 import type { Schema } from "./schema";
 
 /** Something to be told at the key to which it belongs. */
@@ -62,7 +62,7 @@ export class Form {
     if (wrong || !this.schema) return;
     for (const key of this.begun) if (this.isWritten(key)) this.begun.delete(key);
     const lines = ["lines", "overhead_lines", "nets"].flatMap((key) => this.source.keys([key]));
-    this.names.replaceChildren(...lines.map((value) => element("option", { value })));
+    this.names.replaceChildren(...choices(lines));
     const root = fieldsOf(this.schema, this.source, this.begun);
     const used = new Set<string>();
     settle(this.fields, [...root.fields.map((one) => this.row(one, used)), this.adder(root, used)]);
@@ -79,17 +79,27 @@ export class Form {
       for (const input of inputsOf(row)) input.removeAttribute("aria-invalid");
     }
     for (const remark of remarks) {
-      const within = rows.filter(({ field }) => `${remark.key}.`.startsWith(`${field.path.join(".")}.`));
-      const row = within.sort((a, b) => b.field.path.length - a.field.path.length)[0];
+      const row = this.rowOf(remark.key);
       if (!row) continue;
       const told = remark.message.startsWith(`${remark.key}: `)
         ? remark.message.slice(remark.key.length + 2)
         : remark.message;
       row.remarks.append(element("p", { class: remark.isDoubt ? "doubt" : "error" }, told));
       if (!remark.isDoubt) for (const input of inputsOf(row)) input.setAttribute("aria-invalid", "true");
-      for (let at = row.element.parentElement; at && at !== this.fields; at = at.parentElement)
-        if (at instanceof HTMLDetailsElement) at.open = true;
+      this.unfold(row.element.parentElement);
     }
+  }
+
+  /** The innermost row that shows a key, or what it is in. */
+  private rowOf(key: string): Row | undefined {
+    const rows = [...this.rows.values()].filter(({ field }) => field.path.length);
+    const within = rows.filter(({ field }) => `${key}.`.startsWith(`${field.path.join(".")}.`));
+    return within.sort((a, b) => b.field.path.length - a.field.path.length)[0];
+  }
+
+  private unfold(inside: HTMLElement | null): void {
+    for (let at = inside; at && at !== this.fields; at = at.parentElement)
+      if (at instanceof HTMLDetailsElement) at.open = true;
   }
 
   /** Go to the field of a key, which is begun where it is not written; or to what it would be in. */
@@ -97,12 +107,9 @@ export class Form {
     const path = key.split(".");
     this.begun.add(joined(path));
     this.show(this.source.text);
-    const rows = [...this.rows.values()].filter(({ field }) => field.path.length);
-    const within = rows.filter(({ field }) => `${key}.`.startsWith(`${field.path.join(".")}.`));
-    const row = within.sort((a, b) => b.field.path.length - a.field.path.length)[0];
+    const row = this.rowOf(key);
     if (joined(row?.field.path ?? []) !== joined(path)) this.begun.delete(joined(path));
-    for (let at: HTMLElement | null = row?.element ?? null; at && at !== this.fields; at = at.parentElement)
-      if (at instanceof HTMLDetailsElement) at.open = true;
+    this.unfold(row?.element ?? null);
     row?.element.querySelector<HTMLElement>("input, select, summary")?.focus();
   }
 
@@ -177,11 +184,8 @@ export class Form {
     const row: Row = { element: made, remarks, field, update: () => {} };
     let kind: HTMLSelectElement | undefined;
     if (field.kinds.length) {
-      kind = element("select", { "aria-label": `Kind of ${field.name}` });
-      const choose = kind;
-      kind.append(element("option", { value: "" }, "choose a kind"));
-      kind.append(...field.kinds.map((value) => element("option", { value }, value)));
-      kind.onchange = () => this.change(() => this.withKind(row.field, choose.value));
+      const choose = (value: string) => this.change(() => this.withKind(row.field, value));
+      kind = select(`Kind of ${field.name}`, [["", "choose a kind"], ...field.kinds], choose);
       tools.append(kind);
     }
     if (field.canBeBlock) tools.append(this.button("One value", `${field.name} as one value`, () => this.single(row)));
@@ -216,9 +220,8 @@ export class Form {
     places.forEach((place, i) => {
       const named = { id: i ? `${id}-${i}` : id, ...(place ? { "aria-label": `${field.name} ${axis(place)}` } : {}) };
       if (field.shape === "choice") {
-        const select = element("select", { ...named, ...about, ...required });
-        select.append(...["", ...field.words].map((word) => element("option", { value: word }, word || "–")));
-        inputs.push(select);
+        const words = choices([["", "–"], ...field.words]);
+        inputs.push(element("select", { ...named, ...about, ...required }, ...words));
       } else {
         const list = field.name === "on" ? "form-lines" : field.words.length ? `${id}-words` : undefined;
         const preset = field.shape === "vector" ? axis(place) : field.preset;
@@ -228,11 +231,8 @@ export class Form {
     });
     for (const [i, input] of inputs.entries()) input.onchange = () => this.entered(row.field, inputs, i);
     const box = element("div", { class: "entry" }, ...inputs);
-    if (field.words.length && field.shape !== "choice") {
-      const words = element("datalist", { id: `${id}-words` });
-      words.append(...field.words.map((value) => element("option", { value })));
-      box.append(words);
-    }
+    if (field.words.length && field.shape !== "choice")
+      box.append(element("datalist", { id: `${id}-words` }, ...choices(field.words)));
     if (field.unit)
       box.append(element("span", { class: "unit", title: "SI unit; write any other, as 5 km/h" }, field.unit));
     if (field.canBeBlock) box.append(this.button("Table", `${field.name} as a table`, () => this.table(row.field)));
@@ -336,17 +336,15 @@ export class Form {
   private chooser(field: Field): Row {
     const { path } = field;
     const where = field.name || "the scenario";
-    const select = element("select", { "aria-label": `Add a key to ${where}` });
-    select.onchange = () => {
-      const name = select.value;
-      select.value = "";
+    const keys = select(`Add a key to ${where}`, [], (name) => {
+      keys.value = "";
       if (name) this.begin([...path, name]);
-    };
-    const made = element("div", { class: "row add" }, select);
+    });
+    const made = element("div", { class: "row add" }, keys);
     const update = ({ more }: Field) => {
       made.hidden = !more.length;
       const told = more.map(({ name, about }) => element("option", { value: name, title: about }, name));
-      select.replaceChildren(element("option", { value: "" }, `Add to ${where}…`), ...told);
+      keys.replaceChildren(element("option", { value: "" }, `Add to ${where}…`), ...told);
     };
     return { element: made, remarks: made, field, update };
   }

@@ -1,4 +1,4 @@
-import { element } from "./player";
+import { button, element, pairs } from "./dom";
 
 export interface Step {
   name: string;
@@ -43,22 +43,19 @@ export class Lesson {
     const list = element("ol", { class: "steps", "aria-label": "Lessons" });
     this.steps.forEach((one, k) => {
       const about = { title: one.title, "aria-label": `Lesson ${k + 1}: ${one.title}` };
-      const button = element("button", { type: "button", class: "icon", ...about }, `${k + 1}`);
-      if (k === this.now) button.setAttribute("aria-current", "step");
-      button.onclick = () => this.go(k);
-      list.append(element("li", {}, button));
+      const made = button(`${k + 1}`, () => this.go(k), { class: "icon", ...about });
+      if (k === this.now) made.setAttribute("aria-current", "step");
+      list.append(element("li", {}, made));
     });
     if (!step) return this.place.replaceChildren(list, element("p", {}, "Choose a lesson to open its picture."));
-    const next = element("button", { type: "button" }, "Next lesson");
+    const next = button("Next lesson", () => this.go(this.now + 1));
     next.disabled = this.now === this.steps.length - 1;
-    next.onclick = () => this.go(this.now + 1);
-    const numbers = step.expect.flatMap(([what, number]) => [element("dt", {}, what), element("dd", {}, number)]);
     const answer = element(
       "details",
       {},
       element("summary", {}, "Show the answer"),
       element("p", {}, step.answer),
-      element("dl", { class: "numbers" }, ...numbers),
+      element("dl", { class: "numbers" }, ...pairs(step.expect)),
     );
     this.place.replaceChildren(
       list,

@@ -2,18 +2,17 @@ import { type ByHand, intoText, saidByHand } from "./byhand";
 import type { Sweep } from "./cases";
 import { besides, type Models, models } from "./compare";
 import { Connection, type Heard } from "./connection";
+import { button, choices, coloursOf, element, folded } from "./dom";
 import { type Doubt, listed } from "./doubts";
 import { Drag } from "./drag";
 import { Editor, type Problem } from "./editor";
 import { links, OF_RUNS } from "./exports";
-import { type Curves, Film } from "./film";
+import { Film } from "./film";
 import { Form } from "./form";
 import { Lesson, type Step } from "./lesson";
 import type { Message } from "./messages";
-import { button, type Described, element, folded, numbersOf, Player } from "./player";
-import { Plots } from "./plots";
+import { Player } from "./player";
 import type { Schema } from "./schema";
-import { Stage } from "./stage";
 import { SweepTab } from "./sweep";
 import { tabbed } from "./tabs";
 import "./style.css";
@@ -42,15 +41,10 @@ const large = button("A", undefined, {
   "aria-label": "Large type",
   title: "Large type, for projectors",
 });
-const canvas = element("canvas", {
-  tabindex: "0",
-  role: "img",
-  "aria-label": "The structure; arrow keys move the load or step through time",
-});
-const plotted = element("div", { class: "plots", tabindex: "0", role: "group", "aria-label": "Curves" });
-const numbers = element("dl", { class: "numbers", "aria-live": "off" });
+const player = new Player("The structure; arrow keys move the load or step through time");
+const { stage, canvas, plotted, numbers } = player;
 const said = element("div");
-const summary = element("div", { tabindex: "0", role: "group", "aria-label": "Summary" });
+const summary = element("div");
 const exports = element("div", { class: "row" });
 const compared = element("div");
 const compareModels = button("Compare with simpler models", () => simplerModels(), {
@@ -79,9 +73,6 @@ const { bar, show } = tabbed(tabs, names, (key) => {
   if (key === "form") form.show(editor.text);
 });
 
-const stage = new Stage(canvas);
-const plots = new Plots(plotted, (path) => player.go(path));
-const player = new Player(stage, plots);
 document.body.append(
   element(
     "header",
@@ -136,7 +127,7 @@ const form = new Form(filled, {
 const dragging = new Drag(server, stage, canvas, values, {
   shown: (scene, load) => {
     if (!running) under("");
-    numbersShown(scene, scene.frame, load);
+    player.count(scene, scene.frame, load);
   },
   failed: (why) => {
     under("");
@@ -199,11 +190,6 @@ function anew(hasPicture = false, step?: Step): number {
   return ++turn;
 }
 
-function numbersShown(scene: Described, frame: Record<string, Float32Array>, dragged = ""): void {
-  const rows = numbersOf(scene, frame, dragged);
-  numbers.replaceChildren(...rows.flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]));
-}
-
 /** Write what was changed by hand into the text. */
 function takeOver(hand: ByHand): boolean {
   try {
@@ -215,7 +201,6 @@ function takeOver(hand: ByHand): boolean {
   tell(`in the text now: ${saidByHand(hand).join("; ")}`);
   return true;
 }
-player.shown = numbersShown;
 
 // -- Files ------------------------------------------------------------------------------------------------------
 
@@ -258,17 +243,15 @@ async function resume({ id, do: what, text = "", name = "", unkept }: Record<str
 }
 
 function list(head: Record<string, unknown>): void {
-  const named = (kind: string, names: unknown) => (names as string[]).map((name) => [`${kind}:${name}`, name]);
+  const named = (kind: string, names: unknown) => (names as string[]).map((name) => [`${kind}:${name}`, name] as const);
   const groups = {
     Scenarios: named("file", head.scenarios),
     Results: named("result", head.results),
-    Examples: templates.map(({ name, title }) => [`template:${name}`, title]),
+    Examples: templates.map(({ name, title }) => [`template:${name}`, title] as const),
   };
   open.replaceChildren(element("option", { value: "" }, "Open…"));
   for (const [label, options] of Object.entries(groups)) {
-    const group = element("optgroup", { label });
-    group.append(...options.map(([value, text]) => element("option", { value }, text)));
-    open.append(group);
+    open.append(element("optgroup", { label }, ...choices(options)));
   }
 }
 
@@ -482,11 +465,8 @@ function ended(head: Record<string, unknown>): void {
   if (head.advice) said.prepend(element("p", { class: "hint" }, String(head.advice)));
   summary.replaceChildren(...folded(String(head.summary)));
   if (film) {
-    film.title = String(head.title);
-    film.numbers = head.numbers as Film["numbers"];
-    film.curves = head.curves as Curves;
-    plots.clear();
-    player.more();
+    film.complete(head);
+    player.redraw();
     const other = player.other;
     if (other) compared.replaceChildren(besides(film.numbers, other.numbers, film.title, other.title));
   }
@@ -563,8 +543,7 @@ async function begin(step: Step): Promise<void> {
 // -- Keys -------------------------------------------------------------------------------------------------------
 
 theme.onclick = () => {
-  const dark = getComputedStyle(document.documentElement).getPropertyValue("--dark").trim() === "1";
-  document.documentElement.dataset.theme = dark ? "light" : "dark";
+  document.documentElement.dataset.theme = coloursOf(document.body)("--dark") === "1" ? "light" : "dark";
   redraw();
 };
 large.onclick = () => {
@@ -573,9 +552,7 @@ large.onclick = () => {
   redraw();
 };
 function redraw(): void {
-  stage.draw();
-  plots.clear();
-  player.more();
+  player.redraw();
   sweeps.draw();
 }
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);

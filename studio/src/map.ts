@@ -1,6 +1,6 @@
 import { type Column, casesAt, levels, nextFrom, placesOf, type Sweep, told } from "./cases";
 import { stepOf, steps } from "./colours";
-import { button, element } from "./player";
+import { button, coloursOf, element, pairs, select } from "./dom";
 import { ticks } from "./units";
 
 const [WIDTH, HEIGHT] = [384, 300];
@@ -88,23 +88,26 @@ export class SweepMap {
 
   private choose(sweep: Sweep): void {
     const names = sweep.parameters.map((column) => column.name);
-    const select = (label: string, options: string[], value: string, chosen: (value: string) => void) => {
-      const made = element("select", { "aria-label": label });
-      made.append(...options.map((one) => element("option", { value: one }, one || "–")));
-      made.value = value;
-      made.onchange = () => {
-        chosen(made.value);
+    const labelled = (label: string, options: string[], now: string, chosen: (value: string) => void) => {
+      const choose = (value: string) => {
+        chosen(value);
         this.draw();
         this.choices.querySelector<HTMLElement>(`[aria-label="${label}"]`)?.focus();
       };
+      const made = select(
+        label,
+        options.map((one) => [one, one || "–"] as const),
+        choose,
+      );
+      made.value = now;
       return element("label", {}, label, made);
     };
     const quantities = sweep.quantities.map((column) => column.name);
     const made = [
-      select("Quantity", quantities, this.chosen.quantity, (value) => {
+      labelled("Quantity", quantities, this.chosen.quantity, (value) => {
         this.chosen.quantity = value;
       }),
-      select("Along x", names, this.chosen.x, (value) => {
+      labelled("Along x", names, this.chosen.x, (value) => {
         if (value === this.chosen.y) this.chosen.y = this.chosen.x;
         this.chosen.x = value;
       }),
@@ -112,7 +115,7 @@ export class SweepMap {
     const others = [NOTHING, ...names.filter((name) => name !== this.chosen.x)];
     if (others.length > 1)
       made.push(
-        select("Along y", others, this.chosen.y, (value) => {
+        labelled("Along y", others, this.chosen.y, (value) => {
           this.chosen.y = value;
         }),
       );
@@ -123,7 +126,7 @@ export class SweepMap {
       if (!this.fixed.has(column.name)) this.fixed.set(column.name, values[0]);
       const texts = values.map((value) => told(value, column.unit));
       const now = texts[values.indexOf(this.fixed.get(column.name) as number)];
-      made.push(select(column.name, texts, now, (text) => this.fixed.set(column.name, values[texts.indexOf(text)])));
+      made.push(labelled(column.name, texts, now, (text) => this.fixed.set(column.name, values[texts.indexOf(text)])));
     }
     this.choices.replaceChildren(...made);
   }
@@ -234,8 +237,7 @@ export class SweepMap {
 
   /** Colours of a quantity, with their scale in the corner. */
   private scale(quantity: Column, values: number[], rows: number[]): (value: number) => string {
-    const dark = getComputedStyle(this.place).getPropertyValue("--dark").trim() === "1";
-    const table = steps(dark);
+    const table = steps(coloursOf(this.place)("--dark") === "1");
     const [low, high] = ends(rows.map((row) => values[row]));
     const wide = 90;
     const left = WIDTH - EDGE.right - wide;
@@ -265,10 +267,8 @@ export class SweepMap {
     if (!sweep || !at) return;
     const ring = { cx: `${at[0]}`, cy: `${at[1]}`, r: "9.5" };
     for (const name of ["halo here", "mark here"]) this.picture.append(drawn("circle", { ...ring, class: name }));
-    const numbers = element("dl", { class: "numbers" });
-    for (const column of [...sweep.parameters, ...sweep.quantities])
-      numbers.append(element("dt", {}, column.name), element("dd", {}, told(column.values[row], column.unit)));
-    numbers.append(element("dt", {}, "outcome"), element("dd", {}, sweep.outcomes[row]));
+    const columns = [...sweep.parameters, ...sweep.quantities];
+    const rows = columns.map((column) => [column.name, told(column.values[row], column.unit)] as const);
     const about = { class: "main", title: "Compute this case (Enter)" };
     const see = button("See this run", () => this.act.see(row), about);
     const open = button("Open its scenario", () => this.act.open(row));
@@ -276,7 +276,7 @@ export class SweepMap {
     this.about.replaceChildren(
       element("div", { class: "row" }, see, open),
       ...[...doubts, sweep.reason[row]].filter(Boolean).map((text) => element("p", { class: "doubt" }, text)),
-      numbers,
+      element("dl", { class: "numbers" }, ...pairs([...rows, ["outcome", sweep.outcomes[row]]])),
     );
   }
 

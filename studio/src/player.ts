@@ -1,31 +1,24 @@
+import { button, element, pairs, select } from "./dom";
 import type { Doubt } from "./doubts";
 import type { Film, Frame, Layout } from "./film";
 import { type Picture, type State, said } from "./picture";
-import type { Plots } from "./plots";
-import type { Stage, View } from "./stage";
+import { Plots } from "./plots";
+import { Stage, type View } from "./stage";
 import { written } from "./units";
 
-export function element<K extends keyof HTMLElementTagNameMap>(
-  tag: K,
-  given: Partial<Record<string, string>> = {},
-  ...inside: (Node | string)[]
-): HTMLElementTagNameMap[K] {
-  const made = document.createElement(tag);
-  for (const [name, value] of Object.entries(given)) if (value !== undefined) made.setAttribute(name, value);
-  made.append(...inside);
-  return made;
-}
-
-/** A button, with what it does and further attributes. */
-export function button(text: string, act?: () => unknown, given: Partial<Record<string, string>> = {}) {
-  const made = element("button", { type: "button", ...given }, text);
-  if (act) made.onclick = () => act();
-  return made;
-}
+const SPEEDS = [0.02, 0.1, 0.25, 0.5, 1, 2, 5].map((value) => [`${value}`, `${value} × speed`] as const);
+const FACTORS = [0, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].map(
+  (value) => [`${value}`, `${value || "auto"} × displ.`] as const,
+);
 
 /** Plays the frames of a run: those that are there, while others come. */
 export class Player {
   readonly bar: HTMLElement;
+  readonly canvas: HTMLCanvasElement;
+  readonly plotted = element("div", { class: "plots", tabindex: "0", role: "group", "aria-label": "Curves" });
+  readonly numbers = element("dl", { class: "numbers", "aria-live": "off" });
+  readonly stage: Stage;
+  private plots = new Plots(this.plotted, (path) => this.go(path));
   private film?: Film;
   private beside?: Film;
   private view?: View;
@@ -52,21 +45,14 @@ export class Player {
   private placed = ""; // for which end and how many doubts the marks stand where they are
   private marks = element("span", { class: "marks" });
   private clock = element("output", { class: "clock" }, "0 s");
-  private pace = element("select", { title: "Speed", "aria-label": "Speed" });
-  private larger = element("select", { title: "Exaggeration of displacements", "aria-label": "Exaggeration" });
-  /** Called with what is shown. */
-  shown: (film: Film, frame: Frame) => void = () => {};
+  private pace = select("Speed", SPEEDS, () => this.chosen(), { title: "Speed" });
+  private larger = select("Exaggeration", FACTORS, () => this.chosen(), { title: "Exaggeration of displacements" });
 
-  constructor(
-    private stage: Stage,
-    private plots: Plots,
-  ) {
-    for (const value of [0.02, 0.1, 0.25, 0.5, 1, 2, 5])
-      this.pace.append(element("option", { value: `${value}` }, `${value} × speed`));
+  /** `label`: of the picture, for those who do not see it. */
+  constructor(label: string) {
+    this.canvas = element("canvas", { tabindex: "0", role: "img", "aria-label": label });
+    this.stage = new Stage(this.canvas);
     this.pace.value = "1";
-    this.larger.append(element("option", { value: "0" }, "auto × displ."));
-    for (const value of [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000])
-      this.larger.append(element("option", { value: `${value}` }, `${value} × displ.`));
     this.bar = element(
       "div",
       { class: "player", role: "group", "aria-label": "Film" },
@@ -80,23 +66,33 @@ export class Player {
       this.playing = false;
       this.go(this.slider.valueAsNumber);
     };
-    this.pace.onchange = () => {
-      this.speed = Number(this.pace.value);
-    };
-    this.larger.onchange = () => {
-      stage.exaggeration = Number(this.larger.value);
-      this.view = undefined;
-      this.seen = -1;
-      this.refresh();
-    };
+  }
+
+  private chosen(): void {
+    this.speed = Number(this.pace.value);
+    this.stage.exaggeration = Number(this.larger.value);
+    this.view = undefined;
+    this.seen = -1;
+    this.refresh();
   }
 
   /** Play so fast, and draw displacements so much larger; values that the lists have, 0: as the picture needs. */
   choose(speed: number, exaggeration: number): void {
     this.pace.value = `${speed}`;
     this.larger.value = `${exaggeration}`;
-    this.pace.onchange?.(new Event("change"));
-    this.larger.onchange?.(new Event("change"));
+    this.chosen();
+  }
+
+  /** Show the numbers of a frame; `dragged`: its load beside a linear theory. */
+  count(scene: Described, frame: Frame, dragged = ""): void {
+    this.numbers.replaceChildren(...pairs(numbersOf(scene, frame, dragged)));
+  }
+
+  /** Draw anew, in other colours or sizes. */
+  redraw(): void {
+    this.plots.clear();
+    this.refresh(); // at once: without curves the picture would be painted too high
+    this.stage.draw();
   }
 
   /** The run that is drawn beside. */
@@ -233,7 +229,7 @@ export class Player {
       const beside = other?.count ? { ...other, frame: other.frame(other.at(this.now)) } : undefined;
       const { layout, picture, state, reference } = film;
       this.stage.show({ layout, frame, picture, state, reference, film, beside, orbits: true }, this.view);
-      this.shown(film, frame);
+      this.count(film, frame);
     }
     this.plots.update(film, this.beside);
     this.plots.cursor(this.now);
@@ -258,7 +254,7 @@ export function viewOf(film: Film, factor: number, beside?: Film): View {
 }
 
 /** What numbers are read of. */
-export interface Described {
+interface Described {
   layout: Layout;
   picture: Picture;
   state: State;
@@ -302,18 +298,4 @@ export function numbersOf(film: Described, frame: Frame, dragged = ""): [string,
     if (frame.contact_friction) rows.push([`${name}: friction needed`, written(frame.contact_friction[k], "", 4)]);
   });
   return rows;
-}
-
-/** A summary: its first ten lines, the others folded. */
-export function folded(text: string): HTMLElement[] {
-  const lines = text.split("\n");
-  const block = (some: string[]) => element("pre", { class: "summary" }, some.join("\n"));
-  if (lines.length <= 12) return [block(lines)];
-  const rest = element(
-    "details",
-    {},
-    element("summary", {}, `${lines.length - 10} more lines`),
-    block(lines.slice(10)),
-  );
-  return [block(lines.slice(0, 10)), rest];
 }

@@ -1,5 +1,6 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
+import { coloursOf } from "./dom";
 import type { Film } from "./film";
 
 const KEY = "ropewalk";
@@ -50,8 +51,7 @@ export class Plots {
     if (version === this.version || film.count < 2 || !this.place.isConnected) return; // colours come with the page
     this.version = version;
     const x = Array.from(film.path.subarray(0, film.count));
-    const style = getComputedStyle(this.place);
-    const colour = (name: string) => style.getPropertyValue(name).trim();
+    const colour = coloursOf(this.place);
     const groups = curves(film, colour, "");
     if (beside && beside.count > 1) {
       curves(beside, colour, "beside: ").forEach((group, g) => {

@@ -1,8 +1,9 @@
+import { Camera } from "./camera";
 import { bar, stepOf, steps } from "./colours";
 import { diagram } from "./diagrams";
+import { coloursOf } from "./dom";
 import type { Film, Frame, Layout } from "./film";
 import { type Picture, type State, valuesAlong } from "./picture";
-import type { Space } from "./space";
 import { arrow, BEHIND, line, type Pen, type Spot, type Surface, symbol, triangle } from "./symbols";
 import { ticks, written } from "./units";
 
@@ -48,7 +49,7 @@ export class Stage {
   private pen!: Pen;
 
   private closing = new AbortController();
-  private space?: Space | null; // null: it is on its way, or there is none
+  private orbit?: Camera;
 
   constructor(readonly canvas: HTMLCanvasElement) {
     new ResizeObserver(() => this.draw()).observe(canvas);
@@ -59,15 +60,13 @@ export class Stage {
   /** Let go of what outlives the canvas. */
   close(): void {
     this.closing.abort();
-    this.space?.close();
-    this.space = null;
     this.show(undefined);
   }
 
   show(scene: Scene | undefined, view?: View): void {
     this.scene = scene;
     if (view) this.view = view;
-    if (this.orbits && this.space === undefined) this.open();
+    if (this.orbits) this.orbit ??= new Camera(this.canvas, () => this.draw(), this.closing.signal);
     this.draw();
   }
 
@@ -75,18 +74,9 @@ export class Stage {
     return this.scene?.orbits === true && this.scene.layout.axes.length === 3 && !this.scene.picture.around;
   }
 
-  /** Fetch what draws in space; where the browser cannot, the elevation stays. */
-  private async open(): Promise<void> {
-    this.space = null;
-    if (!SPACE || !document.createElement("canvas").getContext("webgl2")) return;
-    const { Space } = await import("./space");
-    if (!this.closing.signal.aborted) this.space = new Space(this.canvas, () => this.draw());
-    this.draw();
-  }
-
   /** The camera that is in use. */
-  private get camera(): Space | undefined {
-    return this.orbits ? (this.space ?? undefined) : undefined;
+  private get camera(): Camera | undefined {
+    return this.orbits ? this.orbit : undefined;
   }
 
   draw(): void {
@@ -113,7 +103,7 @@ export class Stage {
 
   /** Where a point is in the picture, in pixels. */
   private point = (at: ArrayLike<number>): Spot => {
-    if (this.camera) return this.camera.pixel([at[0], at[1], at[2]]);
+    if (this.camera) return this.camera.pixel(at);
     const [sx, ox, sz, oz] = this.scale;
     return [ox + sx * at[0], oz + sz * at[at.length - 1]];
   };
@@ -184,13 +174,13 @@ export class Stage {
     if (!ink) return;
     ink.setTransform(ratio, 0, 0, ratio, 0, 0);
     ink.clearRect(0, 0, width, height);
-    const style = getComputedStyle(canvas);
-    const colour = (name: string) => style.getPropertyValue(name).trim();
+    const { fontSize, fontFamily } = getComputedStyle(canvas);
+    const colour = coloursOf(canvas);
     this.pen = { ink, colour };
-    ink.font = `${style.fontSize} ${style.fontFamily}`;
+    ink.font = `${fontSize} ${fontFamily}`;
     ink.lineJoin = ink.lineCap = "round";
     this.fit(width, height);
-    if (this.space && !this.camera) this.space.isShown = false;
+    if (this.orbit && !this.camera) this.orbit.isShown = false;
     if (!scene) {
       ink.fillStyle = colour("--faint");
       ink.textAlign = "center";
@@ -209,13 +199,14 @@ export class Stage {
     const { ghost, layout, beside } = scene;
     if (ghost?.length) this.line(ghost, 0, ghost.length / layout.axes.length, colour("--ghost"), [7, 5]);
     if (beside) {
-      for (const [, first, count] of this.camera ? [] : beside.layout.nodes)
+      this.cells(beside, colour("--beside"));
+      for (const [, first, count] of linesOf(beside.layout))
         this.line(beside.frame.position, first, count, colour("--beside"), [], 3, beside.reference);
       this.symbols(beside, { ink, colour: () => colour("--beside") });
     }
     this.symbols(scene, this.pen, true);
     this.symbols(scene, this.pen);
-    if (!this.camera) this.links(scene);
+    this.links(scene);
     for (const [, node] of this.supportNodes())
       triangle(this.pen, this.at(scene.frame.position, node, scene.reference));
     this.forces(scene);
@@ -248,25 +239,16 @@ export class Stage {
     }
   }
 
-  private inSpace(camera: Space, scene: Scene, width: number, height: number): void {
+  /** The floor, and where the axes point to. */
+  private inSpace(camera: Camera, { layout, frame }: Scene, width: number, height: number): void {
     const { ink, colour } = this.pen;
-    const { layout, frame, beside, picture, state } = scene;
     const low = sum(this.rows(height)); // of the diagrams below
-    const larger = ({ frame: { position }, reference }: Drawn) =>
-      this.factor === 1 ? position : position.map((value, i) => reference[i] + this.factor * (value - reference[i]));
-    const drawn = {
-      layout,
-      frame,
-      position: larger(scene),
-      colour: picture.colour,
-      shown: picture.colour && state.ranges[picture.colour.name],
-      floor: this.view.z[0],
-      beside: beside && { layout: beside.layout, position: larger(beside) },
-    };
-    camera.draw(drawn, width, height, low, colour);
-    const { ways, floor } = camera.axes();
+    camera.begin(layout, frame.position, width, height - low);
+    const floor = camera.floor(this.pen, this.view.z[0]);
     const [x, y] = [52, height - low - 46];
-    for (const [name, right, up] of ways) {
+    ink.fillStyle = colour("--faint");
+    for (const [k, name] of ["x", "y", "z"].entries()) {
+      const [right, up] = camera.seen([0, 1, 2].map((a) => +(a === k)));
       const size = Math.hypot(right, up);
       if (size < 0.1) continue;
       arrow(ink, [x, y], [right / size, -up / size], 32 * size, colour("--faint"));
@@ -319,33 +301,43 @@ export class Stage {
     ink.setLineDash([]);
   }
 
-  private links({ layout, frame, reference, picture, state }: Scene): void {
+  /** Triangles of nets and membranes: their edges, filled where they have colours. */
+  private cells({ layout, frame, reference }: Drawn, stroke: string, tint?: (k: number) => string): void {
+    const { ink } = this.pen;
+    ink.strokeStyle = stroke;
+    ink.lineWidth = 0.5;
+    for (const [k, cell] of layout.cells.entries()) {
+      ink.beginPath();
+      for (const i of cell) ink.lineTo(...this.at(frame.position, i, reference));
+      ink.closePath();
+      ink.globalAlpha = 0.72;
+      if (tint) ink.fillStyle = tint(k);
+      if (tint) ink.fill();
+      ink.globalAlpha = 1;
+      ink.stroke();
+    }
+  }
+
+  private links(scene: Scene): void {
+    const { layout, frame, reference, picture, state } = scene;
     const { ink, colour } = this.pen;
     const names = steps(colour("--dark") === "1");
     const shown = picture.colour && state.ranges[picture.colour.name];
-    if (layout.cells.length) {
-      ink.strokeStyle = colour("--faint");
-      ink.lineWidth = 0.5;
-      ink.beginPath();
-      for (const [a, b, c] of layout.cells) {
-        ink.moveTo(...this.at(frame.position, a, reference));
-        for (const i of [b, c, a]) ink.lineTo(...this.at(frame.position, i, reference));
-      }
-      ink.stroke();
-    }
+    const tint = (value: number) =>
+      shown && Number.isFinite(value) ? names[stepOf(value / shown.size, shown.low, shown.high)] : colour("--faint");
+    const values = picture.colour?.of === "cell" && shown ? frame[picture.colour.name] : undefined;
+    this.cells(scene, colour("--faint"), values && ((k) => tint(values[k])));
     ink.lineWidth = 3.5;
-    for (const [name, first, count] of layout.nodes) {
-      if (layout.links.find(([line]) => line === name)?.[2] !== count - 1) continue;
+    for (const [name, first, count] of linesOf(layout)) {
       const value = valuesAlong(shown ? picture.colour : null, frame, layout, name);
       let last = "";
       for (let i = 0; i < count - 1; i++) {
-        const now = shown ? value(i) / shown.size : Number.NaN;
-        const tint = shown && Number.isFinite(now) ? names[stepOf(now, shown.low, shown.high)] : colour("--faint");
-        if (tint !== last) {
+        const now = tint(value(i));
+        if (now !== last) {
           if (last) ink.stroke();
           ink.beginPath();
           ink.moveTo(...this.at(frame.position, first + i, reference));
-          ink.strokeStyle = last = tint;
+          ink.strokeStyle = last = now;
         }
         ink.lineTo(...this.at(frame.position, first + i + 1, reference));
       }
@@ -399,10 +391,8 @@ export class Stage {
     const { ink, colour } = this.pen;
     const size = Math.hypot(...force);
     if (!(size > 0) || Number.isNaN(at[0])) return;
-    const seen = this.camera?.axes().ways;
-    const [right, up] = [1, 2].map((a) =>
-      seen ? sum(force.map((f, k) => f * (seen[k][a] as number))) : force[a === 1 ? 0 : force.length - 1],
-    );
+    const seen = this.camera?.seen(force);
+    const [right, up] = seen ?? [force[0], force[force.length - 1]];
     const flat = Math.hypot(right, up) || 1;
     const way: Spot = [right / flat, -up / flat];
     const along = seen ? flat / size : 1; // what of it is not along the line of sight
@@ -424,7 +414,7 @@ export class Stage {
     ink.strokeStyle = colour("--panel");
     ink.fillStyle = stroke;
     for (const draw of ["strokeText", "fillText"] as const)
-      ink[draw](text, inside, z + (way[1] > 0.3 ? 10 : name ? -12 : 0));
+      ink[draw](text, inside, Math.max(z + (way[1] > 0.3 ? 10 : name ? -12 : 0), 60)); // below the title
     ink.textAlign = "left";
   }
 
@@ -432,7 +422,8 @@ export class Stage {
   private axes(scene: Scene, width: number, height: number): void {
     const { ink, colour } = this.pen;
     const low = height - MARGIN.bottom + 12;
-    const [x0, z0] = this.place(EDGE.left, low - sum(this.rows(height)));
+    const rows = this.rows(height);
+    const [x0, z0] = this.place(EDGE.left, low - sum(rows) - (rows.length ? 14 : 0)); // above the title of a diagram
     const [x1, z1] = this.place(width - EDGE.right, 54);
     ink.strokeStyle = colour("--grid");
     ink.fillStyle = colour("--faint");
@@ -443,7 +434,8 @@ export class Stage {
       ink.fillText(`${+value.toPrecision(6)}`.replace("-", "−"), x, z);
     };
     ink.textAlign = "center";
-    for (const x of ticks(x0, x1, 9)) mark(x, [ox + sx * x, 50, ox + sx * x, low], ox + sx * x, low + 15);
+    for (const x of ticks(x0, x1, 9).filter((x) => ox + sx * x < width - 50))
+      mark(x, [ox + sx * x, 50, ox + sx * x, low], ox + sx * x, low + 15);
     ink.textAlign = "right";
     const { label, level, size } = this.upright(scene);
     const ends = [(z0 - level) / size, (z1 - level) / size];
@@ -479,7 +471,7 @@ export class Stage {
     const plain = ink.font;
     ink.font = `bold ${plain}`;
     const larger = factors.filter(([, factor]) => factor !== 1).map((one) => one.join(" × "));
-    ink.fillText(larger.join(", "), 8, this.camera ? 56 : 24);
+    ink.fillText(larger.join(", "), 8, 24);
     ink.font = plain;
     if (shown) bar(this.pen, quantity.label, shown, width);
     if (!ghost?.length) return;
@@ -492,4 +484,7 @@ export class Stage {
   }
 }
 
+/** Lines of a layout, without nets, whose nodes are in no order. */
+const linesOf = ({ nodes, links }: Layout) =>
+  nodes.filter(([name, , count]) => links.some(([line, , many]) => line === name && many === count - 1));
 const sum = (values: number[]) => values.reduce((a, b) => a + b, 0);

@@ -1,8 +1,8 @@
 import type { Sweep } from "./cases";
 import type { Connection } from "./connection";
+import { element } from "./dom";
 import { links, OF_SWEEPS } from "./exports";
 import { SweepMap } from "./map";
-import { element } from "./player";
 
 /** What a sweep needs of the page around it. */
 export interface Page {

@@ -1,4 +1,4 @@
-import { button, element } from "./player";
+import { button, element } from "./dom";
 
 /**
  * Give panels a bar of tabs, of which one is shown; arrow keys, Home and End choose among them.

@@ -1,9 +1,8 @@
+import { element, folded } from "./dom";
 import type { Doubt } from "./doubts";
-import { type Curves, Film } from "./film";
+import { Film } from "./film";
 import type { Message } from "./messages";
-import { element, folded, numbersOf, Player } from "./player";
-import { Plots } from "./plots";
-import { Stage } from "./stage";
+import { Player } from "./player";
 import "./style.css";
 
 /**
@@ -17,7 +16,7 @@ export interface Run {
 
 export function filmOf(run: Run): Film {
   const film = new Film(run.messages[0]);
-  film.curves = (run.ended.curves as Curves) ?? film.curves;
+  film.complete(run.ended);
   for (const message of run.messages.slice(1)) film.add(message);
   return film;
 }
@@ -25,25 +24,15 @@ export function filmOf(run: Run): Film {
 /** Shows a run that is over, and perhaps another one faintly over it, without a server. */
 export class Viewer {
   readonly parts: HTMLElement[];
-  private stage: Stage;
   private player: Player;
   private film: Film;
 
   constructor(run: Run, beside?: Run) {
     const { title, outcome, summary, doubts } = run.ended;
-    const canvas = element("canvas", { tabindex: "0", role: "img", "aria-label": `Film of ${title}` });
-    const plotted = element("div", { class: "plots" });
-    const numbers = element("dl", { class: "numbers" });
-    this.stage = new Stage(canvas);
-    const plots = new Plots(plotted, (path) => this.player.go(path));
-    this.player = new Player(this.stage, plots);
-    this.player.shown = (shown, frame) => {
-      numbers.replaceChildren(
-        ...numbersOf(shown, frame).flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]),
-      );
-    };
+    this.player = new Player(`Film of ${title}`);
+    const { canvas, bar, plotted, numbers, stage } = this.player;
     const own = (doubts as Doubt[]) ?? [];
-    this.stage.doubted = own.map(({ key }) => key);
+    stage.doubted = own.map(({ key }) => key);
     const distrusted = [
       ...own.map(({ text }) => text),
       ...((beside?.ended.doubts as Doubt[]) ?? []).map(({ text }) => `${beside?.ended.title}: ${text}`),
@@ -60,7 +49,7 @@ export class Viewer {
       element(
         "main",
         {},
-        element("section", { class: "stage" }, canvas, this.player.bar, plotted),
+        element("section", { class: "stage" }, canvas, bar, plotted),
         element(
           "aside",
           {},
@@ -94,6 +83,6 @@ export class Viewer {
 
   close(): void {
     this.player.leave();
-    this.stage.close();
+    this.player.stage.close();
   }
 }

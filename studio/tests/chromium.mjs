@@ -13,12 +13,12 @@ export function must(is, what) {
 }
 
 /** A context of pages, and the list of what was wrong in them. */
-export async function launched(viewport = { width: 1280, height: 720 }, more = []) {
+export async function launched(viewport = { width: 1280, height: 720 }) {
   const wrong = [];
   const context = await chromium.launchPersistentContext(mkdtempSync(join(tmpdir(), "studio-")), {
     executablePath,
     headless: true,
-    args: [...flags.split(" "), ...more],
+    args: flags.split(" "),
     viewport,
   });
   context.on("request", (request) => {

@@ -95,6 +95,10 @@ await check({ context, wrong }, async () => {
     for (const tab of TABS) {
       await page.getByRole("tab", { name: tab }).click();
       await page.evaluate(() => scrollTo(0, 0));
+      await page.waitForFunction(() => {
+        const { height, clientHeight } = document.querySelector(".stage canvas");
+        return height === clientHeight; // the picture is painted as high as it is shown
+      });
       if (look_ !== "large") await faults(page, `${tab}, ${look_}`);
       const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
       must(wide <= 0, `${tab}, ${look_}: wider than the window by ${wide} pixels`);

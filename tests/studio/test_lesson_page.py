@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from ropewalk.results import ResultError, summary
+from ropewalk.results import ResultError, line_response, summary
 from ropewalk.results.contract import path_name
 from ropewalk.scenario import load
 from ropewalk.simulate import simulate
@@ -48,6 +48,14 @@ def test_a_kept_result_is_that_of_a_new_run(name: str) -> None:
     assert kept.attrs["scenario_sha256"] == now.attrs["scenario_sha256"]
     np.testing.assert_allclose(kept[path], now[path], rtol=1e-6)  # single precision
     np.testing.assert_allclose(kept.position, now.position, atol=2 * ROUNDING)  # kept rounded; other processors
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_kept_result_has_the_curves_of_the_places_of_its_scenario(name: str) -> None:
+    dataset, ended = kept_result(name)
+    shown = {place for group in ended["curves"]["groups"] for place in group["curves"]}
+    assert shown == {curve.rpartition(".")[0] for curve, _, _ in line_response.histories(dataset)}
+    assert bool(shown) == ("places" in (FOLDER / f"{name}.yaml").read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -20,7 +20,7 @@ EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.yaml"))
 def test_every_example_has_a_picture_before_it_is_computed(file: Path) -> None:
     declared = preview(load(file))
     assert declared is not None
-    head, arrays = unpacked(of_frame(*declared, {"id": 1}))
+    head, arrays = unpacked(of_frame(declared, {"id": 1}))
     assert np.isfinite(arrays["position"]).all()
     assert head["state"]["factor"] == 1.0
     assert not any(head["state"]["ranges"].values())
@@ -29,5 +29,5 @@ def test_every_example_has_a_picture_before_it_is_computed(file: Path) -> None:
 def test_a_load_is_where_it_starts_on_the_declared_line() -> None:
     declared = preview(loads(SHORT.replace("from: 0 m", "from: 5 m")))
     assert declared is not None
-    np.testing.assert_allclose(declared[1]["contact_position"].values[0, 0], [5.0, 0.0])
-    assert [symbol.kind for symbol in Picture(declared[1]).symbols] == ["force"]
+    np.testing.assert_allclose(declared["contact_position"].values[0, 0], [5.0, 0.0])
+    assert [symbol.kind for symbol in Picture(declared).symbols] == ["force"]

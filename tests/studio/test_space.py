@@ -18,7 +18,7 @@ from ropewalk.studio.share import PAGE
 from ropewalk.studio.streams import of_result
 from studio_browser import FRONT, LACKING, NODE
 
-MODULE = PAGE / "widget-space" / "widget.js"
+MODULE = PAGE / "widget" / "widget.js"
 N, M = 12, 8  # cells of the net along its sides of 6 m and 4 m
 
 
@@ -46,13 +46,10 @@ def net(file: Path) -> Path:
     first = [i + (N + 1) * j for j in range(M) for i in range(N)]
     cells = [cell for a in first for cell in ((a, a + 1, a + N + 2), (a, a + N + 2, a + N + 1))]
     tension = np.linspace(100.0, 900.0, 2 * N * M)
-    load = np.array([[3.0, 2.0, -t] for t in (0.0, 0.5, 1.0)])
     return written(
-        file, layout(("net",) * u.size, (), contact_load=("person",), support=("net.edge",), cell=tuple(cells),
+        file, layout(("net",) * u.size, (), contact_load=(), support=("net.edge",), cell=tuple(cells),
                      cell_net=("net",) * len(cells)),
         position=position, cell_tension=[np.column_stack((tension, tension / 2))] * 3, reaction=np.zeros((3, 1, 3)),
-        contact_position=load[:, None], contact_force=np.tile([0.0, 0.0, -800.0], (3, 1, 1)),
-        hold_force=np.zeros((3, 1, 3)),
     )  # fmt: skip
 
 

@@ -18,7 +18,7 @@ from ropewalk.errors import RopewalkError
 from ropewalk.results.drawn import drawn_position
 from ropewalk.scenario import loads
 from ropewalk.studio import widget
-from ropewalk.studio.share import PAGE, built
+from ropewalk.studio.share import PAGE
 from studio_browser import FRONT, LACKING, NODE
 from studio_server import SHORT, unpacked
 
@@ -58,13 +58,6 @@ def test_what_is_no_run_or_too_large_is_refused(result: xr.Dataset, monkeypatch:
     monkeypatch.setattr(widget, "MOST_BYTES", 100)
     with pytest.raises(RopewalkError, match=r"run\.every"):
         ropewalk.view(result)
-
-
-@needs_build
-def test_only_what_is_in_space_takes_what_draws_in_space(result: xr.Dataset) -> None:
-    space = xr.Dataset(coords={"axis": ["x", "y", "z"]})
-    assert built("widget", "widget.js", result) == MODULE
-    assert built("widget", "widget.js", result, space).stat().st_size > 4 * MODULE.stat().st_size
 
 
 @needs_build

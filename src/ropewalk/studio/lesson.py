@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ropewalk.checkpoint import ENGINE_NUMBER
 from ropewalk.results import ResultError, open_result
+from ropewalk.studio.streams import curves_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -51,4 +52,4 @@ def kept_result(name: str) -> tuple[xr.Dataset, dict[str, Any]]:
             f"lesson {name}: the kept result was computed by engine {number}; this version has engine {ENGINE_NUMBER}. "
             "Renew it with `make lessons`."
         )
-    return dataset, json.loads(dataset.attrs.pop("ended"))
+    return dataset, {**json.loads(dataset.attrs.pop("ended")), "curves": curves_of(dataset)}

@@ -5,11 +5,16 @@ from __future__ import annotations
 import json
 import struct
 from collections.abc import Mapping
-from typing import Any
+from itertools import groupby
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ropewalk.results.frame import Array, Layout
+from ropewalk.results.contract import path_name
+from ropewalk.results.frame import Array
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def packed(header: Mapping[str, Any], arrays: Mapping[str, Array]) -> bytes:
@@ -25,21 +30,24 @@ def packed(header: Mapping[str, Any], arrays: Mapping[str, Array]) -> bytes:
     return b"".join((struct.pack("<I", len(head)), head, *(array.tobytes() for array in kept.values())))
 
 
-def runs_of(names: tuple[str, ...]) -> list[tuple[str, int, int]]:
-    """Names that repeat as [name, first, how many]."""
-    found = list[tuple[str, int, int]]()
-    for i, name in enumerate(names):
-        if found and found[-1][0] == name:
-            found[-1] = (name, found[-1][1], found[-1][2] + 1)
-        else:
-            found.append((name, i, 1))
-    return found
+def described(dataset: xr.Dataset) -> dict[str, Any]:
+    """Return the layout of a result as the page needs it."""
 
+    def names(key: str) -> list[str]:
+        return [str(name) for name in dataset[key].values] if key in dataset.variables else []
 
-def described(layout: Layout) -> dict[str, Any]:
-    """A layout as the page needs it."""
+    cells = dataset["cell_node"].values.astype(int).tolist() if "cell_node" in dataset.variables else []
     return {
-        "axes": layout.axes, "path": layout.path, "nodes": runs_of(layout.node_line),
-        "links": runs_of(layout.link_line), "loads": layout.contact_load, "supports": layout.support,
-        "bodies": layout.body, "cells": layout.cell,
+        "axes": names("axis"), "path": path_name(dataset), "nodes": _runs_of(names("line")),
+        "links": _runs_of(names("link_line")), "loads": names("load"), "supports": names("support"),
+        "bodies": names("body"), "cells": cells,
     }  # fmt: skip
+
+
+def _runs_of(names: list[str]) -> list[tuple[str, int, int]]:
+    """Return names that repeat as [name, first, how many]."""
+    found, first = list[tuple[str, int, int]](), 0
+    for name, same in groupby(names):
+        found.append((name, first, len([*same])))
+        first += found[-1][2]
+    return found

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 _POINTS = 41  # of each straight piece, so that loads are near one
 
 
-def preview(scenario: Scenario) -> tuple[Layout, xr.Dataset] | None:
-    """Return a layout and a frame of what a scenario declares; None where it has neither lines nor nets."""
+def preview(scenario: Scenario) -> xr.Dataset | None:
+    """Return a frame of what a scenario declares; None where it has neither lines nor nets."""
     found = list(_lines(scenario))
     if not found:
         return None
@@ -55,7 +55,7 @@ def preview(scenario: Scenario) -> tuple[Layout, xr.Dataset] | None:
         "position": np.concatenate([*shapes.values()])[None, :, columns], "tension": np.zeros((1, len(links))),
         "reaction": np.zeros((1, len(layout.support), len(axes))), "body_position": np.zeros((1, 0, len(axes))),
     }  # fmt: skip
-    return layout, of_frames(layout, np.zeros(1), {**still, **contacts.fields()}, scenario_attributes(scenario))
+    return of_frames(layout, np.zeros(1), {**still, **contacts.fields()}, scenario_attributes(scenario))
 
 
 def _lines(scenario: Scenario) -> Iterator[tuple[str, list[Any]]]:

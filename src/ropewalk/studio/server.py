@@ -33,8 +33,7 @@ from ropewalk.sweeps.pool import cores
 CHECK_SECONDS = 20.0
 _LARGEST_NUMBER = 2**53  # of a question, which a page counts
 _MOST_PAGES = 24
-_COMPUTED = (*LONG, "prepare", "pose", "result", "lesson", "case", "resume")
-"""Questions that the worker of a page answers."""
+_COMPUTED = (*LONG, "prepare", "pose", "result", "lesson", "case", "resume")  # by the worker of a page
 _KINDS = {"page": "text/html", "report": "text/html", "png": "image/png", "svg": "image/svg+xml",
           "pdf": "application/pdf", "csv": "text/csv", "zip": "application/zip", "gif": "image/gif", "mp4": "video/mp4",
           "xlsx": "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"}  # fmt: skip

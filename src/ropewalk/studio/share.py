@@ -18,14 +18,13 @@ PAGE = Path(__file__).parent / "page"  # where the build of studio/ is
 MOST_BYTES = 60_000_000
 
 
-def built(what: str, name: str, *datasets: xr.Dataset) -> Path:
-    """A file of the build: the small one, or the one that can draw in space where a result is in space.
+def built(name: str) -> Path:
+    """A file of the build.
 
     Raises:
         RopewalkError: the front end has not been built.
     """
-    in_space = any(dataset.sizes.get("axis") == 3 for dataset in datasets)
-    file = PAGE / f"{what}{'-space' if in_space else ''}" / name
+    file = PAGE / name
     if not file.is_file():
         raise RopewalkError("the front end of the studio is not built: run  make studio")
     return file
@@ -37,7 +36,7 @@ def shared(dataset: xr.Dataset) -> str:
     Raises:
         RopewalkError: the front end has not been built, or the result is too large for a page.
     """
-    template, messages = built("share", "share.html", dataset), [*of_result(dataset, {"id": 1})]
+    template, messages = built("share/share.html"), [*of_result(dataset, {"id": 1})]
     if sum(map(len, messages)) > MOST_BYTES:
         raise RopewalkError("this result is too large for a page of its own; run it with a larger run.every")
     return filled(template, messages, stored(dataset))

@@ -7,8 +7,6 @@ from collections.abc import Callable, Iterator, Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ropewalk.results.contract import path_name, run_info_attributes
 from ropewalk.results.display_units import DisplayUnits
 from ropewalk.results.frame import ENERGY_FORMS, Array, Doubt, Layout, RunInfo
@@ -74,7 +72,7 @@ class Streamed:
         if self._picture is None:
             self._picture = Picture(block)
             self._step = _step(block, self._total)
-            self._send(_opening(self._picture, layout, self._total, self._step, self._head))
+            self._send(_opening(self._picture, block, self._total, self._step, self._head))
         first = -self._seen % self._step
         self._seen += len(frames)
         run = {"run": state_of_run(run_info)}
@@ -91,7 +89,7 @@ def of_result(dataset: xr.Dataset, head: dict[str, Any]) -> Iterator[bytes]:
     name, picture = path_name(dataset), Picture(dataset.isel({path_name(dataset): slice(0, 1)}))
     count = dataset.sizes[name]
     step = _step(dataset, count)
-    yield _opening(picture, _layout_of(dataset), count, step, {**head, "title": str(dataset.attrs.get("title", ""))})
+    yield _opening(picture, dataset, count, step, {**head, "title": str(dataset.attrs.get("title", ""))})
     rows = max(1, _BLOCK_BYTES // max(_bytes(dataset), 1)) * step
     for begin, end in pairwise([0, *range(step, count, rows), count]):
         yield _frames(picture, dataset.isel({name: slice(begin, end)}), slice(None, None, step), head)
@@ -108,14 +106,13 @@ def of_pose(pose: Pose, attributes: Mapping[str, Any], head: dict[str, Any]) -> 
     frames = Frames.together([pose.frame])
     block = of_frames(pose.layout, frames.path, frames.of, attributes)
     linear = {} if pose.linear is None else {"ghost": pose.linear}
-    return of_frame(pose.layout, block, {**head, "xi": pose.xi, "warnings": pose.warnings}, **linear)
+    return of_frame(block, {**head, "xi": pose.xi, "warnings": pose.warnings}, **linear)
 
 
-def of_frame(layout: Layout, block: xr.Dataset, head: dict[str, Any], **more: Array) -> bytes:
+def of_frame(block: xr.Dataset, head: dict[str, Any], **more: Array) -> bytes:
     """Return the message of one frame with its description.
 
     Args:
-        layout: of the frame.
         block: the frame.
         head: goes in front.
         more: further arrays.
@@ -123,13 +120,13 @@ def of_frame(layout: Layout, block: xr.Dataset, head: dict[str, Any], **more: Ar
     picture = Picture(block, is_static=True)
     drawn = picture.add(block) | {name: block[name].values for name in DISPLAYED if name in block}
     state = picture.state() | ({} if picture.beams else {"factor": 1.0})  # only the sag of ropes is known
-    about = {"layout": described(layout), "picture": picture.described(), "state": state}
+    about = {"layout": described(block), "picture": picture.described(), "state": state}
     arrays = {name: array[0] for name, array in drawn.items()}
     return packed({**head, **about}, {**arrays, "reference": picture.reference, **more})
 
 
-def _opening(picture: Picture, layout: Layout, total: int, step: int, head: dict[str, Any]) -> bytes:
-    about = {"layout": described(layout), "picture": picture.described(), "energies": ENERGY_FORMS}
+def _opening(picture: Picture, dataset: xr.Dataset, total: int, step: int, head: dict[str, Any]) -> bytes:
+    about = {"layout": described(dataset), "picture": picture.described(), "energies": ENERGY_FORMS}
     return packed({**head, "event": "layout", "total": total, "step": step, **about}, {"reference": picture.reference})
 
 
@@ -162,10 +159,10 @@ def stored(dataset: xr.Dataset) -> dict[str, Any]:
     numbers = {name: [value, unit] for name, (value, unit) in named_numbers(dataset).items() if value is not None}
     ending = {key: found[key] for key in ("title", "outcome", "advice", "doubts", "warnings")}
     ending["doubts"] = [remark_of(str(doubt)) for doubt in ending["doubts"]]
-    return {"event": "ended", "summary": text(found), "numbers": numbers, "curves": _curves(dataset), **ending}
+    return {"event": "ended", "summary": text(found), "numbers": numbers, "curves": curves_of(dataset), **ending}
 
 
-def _curves(dataset: xr.Dataset) -> dict[str, Any]:
+def curves_of(dataset: xr.Dataset) -> dict[str, Any]:
     """Return the curves of the places that the scenario names: `path`, and by quantity the unit and values by place."""
     rows = slice(None, None, 1 + dataset.sizes[path_name(dataset)] // MOST_POINTS)
     found: dict[str, list[tuple[str, Any, str]]] = {}
@@ -180,17 +177,3 @@ def _curves(dataset: xr.Dataset) -> dict[str, Any]:
         }
         groups.append({"quantity": quantity.replace("_", " "), "unit": displayed.symbol, "curves": known})
     return {"path": dataset[path_name(dataset)].values[rows].tolist() if groups else [], "groups": groups}
-
-
-def _layout_of(dataset: xr.Dataset) -> Layout:
-    """What a result tells of its layout."""
-
-    def names(key: str) -> tuple[str, ...]:
-        return tuple(str(name) for name in dataset[key].values) if key in dataset.variables else ()
-
-    cells = dataset["cell_node"].values if "cell_node" in dataset.variables else np.zeros((0, 3))
-    return Layout(
-        axes=names("axis"), node_line=names("line"), node_xi=np.zeros(0), link_line=names("link_line"),
-        link_xi=np.zeros(0), contact_load=names("load"), support=names("support"), body=names("body"),
-        cell=tuple((int(a), int(b), int(c)) for a, b, c in cells), path=path_name(dataset),
-    )  # fmt: skip

@@ -34,7 +34,7 @@ def view(result: xr.Dataset, beside: xr.Dataset | None = None, height: int = 620
     others, other_ended = ([], {}) if beside is None else _given(beside)
     if sum(map(len, [*messages, *others])) > MOST_BYTES:
         raise RopewalkError("this is too large for a notebook; run it with a larger run.every")
-    made = _widget(built("widget", "widget.js", *(one for one in (result, beside) if one is not None)))
+    made = _widget(built("widget/widget.js"))
     return made(messages=messages, ended=ended, beside_messages=others, beside_ended=other_ended, height=height)
 
 

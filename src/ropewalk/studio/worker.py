@@ -15,6 +15,7 @@ import threading
 import time
 import zipfile
 from collections.abc import Callable
+from dataclasses import asdict, replace
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
 MOST_NODES = 50_000  # of a scenario in the studio
 _FAREWELL = 1.0  # s, from the end of the server
 ACKNOWLEDGED = -1  # ticket of the message that a stop has been heard
-EXPORTS = ("png", "svg", "pdf", "csv", "zip", "xlsx", "gif", "mp4")
 Answer = dict[str, Any]
 
 
@@ -50,16 +50,26 @@ def main(pipe: Connection, folder: str, allow_code: bool, memory: int, processes
     if not allow_code:
         forbid_code(STUDIO)
     if memory:
-        with contextlib.suppress(ImportError, ValueError, OSError):
-            import resource
-
-            resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
+        _bound("RLIMIT_DATA", memory, is_final=True)
     if (server := multiprocessing.parent_process()) is not None:
         threading.Thread(target=_leave_with, args=(server,), daemon=True).start()
+    import ropewalk.studio.streams  # noqa: F401  (while the first page is loaded)
+
     worker = ComputingProcess(pipe, Path(folder), allow_code, processes, disk)
     with contextlib.suppress(EOFError, OSError, KeyboardInterrupt):
         while True:
             worker.serve()
+
+
+def _bound(what: str, most: int, *, is_final: bool = False) -> None:
+    """Bound what this process takes to so many bytes, where the system can; for good, or until the next bound."""
+    with contextlib.suppress(ImportError, ValueError, OSError):
+        import resource
+
+        limit = getattr(resource, what)
+        hard = resource.getrlimit(limit)[1]
+        bound = most if hard == resource.RLIM_INFINITY else min(most, hard)
+        resource.setrlimit(limit, (bound, bound if is_final else hard))
 
 
 def _leave_with(server: Any) -> None:
@@ -162,7 +172,7 @@ class ComputingProcess:
         head = {"title": scenario.title, "loads": found, "gravity": scenario.gravity}
         if found or (declared := preview(scenario)) is None:
             return head
-        return of_frame(*declared, {"id": asked["id"], **head})
+        return of_frame(declared, {"id": asked["id"], **head})
 
     def _asked(self, asked: Answer) -> Asked:
         from ropewalk.studio.poses import Asked
@@ -192,14 +202,7 @@ class ComputingProcess:
         """Bound the files that are written from now on to what is left of the disk, or refuse to begin."""
         if not self._disk:
             return
-        bytes_left = Folder(self._folder).bytes_left(self._disk)
-        with contextlib.suppress(ImportError, ValueError, OSError):
-            import resource
-
-            hard = resource.getrlimit(resource.RLIMIT_FSIZE)[1]
-            resource.setrlimit(
-                resource.RLIMIT_FSIZE, (bytes_left if hard == resource.RLIM_INFINITY else min(bytes_left, hard), hard)
-            )
+        _bound("RLIMIT_FSIZE", Folder(self._folder).bytes_left(self._disk))
 
     def _do_run(self, asked: Answer) -> Answer:
         """A run as `ropewalk run` does it: its result is written while it goes on, unless it is not to be kept."""
@@ -255,11 +258,12 @@ class ComputingProcess:
         """A result that is there, as if it had just been computed; of a sweep, its cases."""
         from ropewalk.results import open_result
         from ropewalk.studio.streams import of_result, stored
-        from ropewalk.studio.sweeps import described
         from ropewalk.sweeps.writing import read
 
         file, number = self._result(str(asked["name"])), asked["id"]
         if (many := read(file)) is not None:
+            from ropewalk.studio.sweeps import described
+
             return {"file": file.name, "sweep": described(many)}
         ticket = asked["ticket"]
         with open_result(file) as dataset:
@@ -340,8 +344,6 @@ class ComputingProcess:
                     return {"error": f"{kind}: sweeps are exported as png, svg, pdf, csv or xlsx"}
                 write(many, made)
                 return made.read_bytes()
-            if kind not in ("page", "report", *EXPORTS):
-                return {"error": f"{kind}: results are exported as page, report, {', '.join(EXPORTS)}"}
             with open_result(file) as dataset:
                 if kind in ("page", "report"):
                     return (shared if kind == "page" else html_report)(dataset).encode()
@@ -362,11 +364,4 @@ def problems_of(error: Any) -> list[Answer]:
     """The problems of a scenario, as the page shows them."""
     from ropewalk.errors import condensed
 
-    return [
-        {
-            "line": p.line, "key": p.key, "wrong": p.wrong, "given": p.given, "remedy": p.remedy,
-            "message": ": ".join(part for part in (p.key, p.wrong) if part)
-            + (f", given {p.given}" if p.given else "") + (f"; {p.remedy}" if p.remedy else ""),
-        }
-        for p in condensed(error.problems)
-    ]  # fmt: skip
+    return [{**asdict(p), "message": str(replace(p, file="", line=None))} for p in condensed(error.problems)]
