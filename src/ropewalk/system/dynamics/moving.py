@@ -212,8 +212,8 @@ class SystemMotion:
         if asked.method == "rkn6" and (damper := first_damper(self._scenario.parts)) is not None:
             stages, run_info.method = LOBATTO, "rkn6"
             run_info.reason = (
-                f"requested: sixth order, by Lobatto's method IIIC, because negative substeps are unstable with {damper}; "
-                "contacts on a spline of the fourth order"
+                "requested: sixth order, by Lobatto's method IIIC, because negative substeps are unstable with "
+                f"{damper}; contacts on a spline of the fourth order"
             )
         elif asked.method == "rkn6":
             self._method, run_info.method = RKN6, "rkn6"
