@@ -11,9 +11,10 @@ import numpy as np
 from ropewalk.mechanics.assembly import speed_table
 from ropewalk.mechanics.travelled import Travelled
 from ropewalk.model.trolley import Trolley
-from ropewalk.results.frame import Array, Layout
+from ropewalk.results.frame import Array, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.peaks import sharp, too_far_apart
+from ropewalk.results.watch import Watch
 
 if TYPE_CHECKING:
     from ropewalk.model import Scenario
@@ -22,21 +23,14 @@ SUFFIX = ".payload"  # of bodies that hang below trolleys
 STRETCH = 1e-3  # m, by which its weight stretches the rope of a payload whose stiffness is not given
 
 
-class HangingWatch:
-    """Watches payloads for how far they are from their trolleys.
+class HangingWatch(Watch):
+    """Watches payloads for how far they are from their trolleys."""
 
-    Args:
-        layout: of the frames.
-        scenario: the scenario.
-    """
-
-    def __init__(self, layout: Layout, scenario: Scenario) -> None:
-        bodies = {name.removesuffix(SUFFIX): i for i, name in enumerate(layout.body) if name.endswith(SUFFIX)}
-        owners = [name.partition(".")[0] for name in layout.contact_load]
-        self._scenario, self._axes = scenario, len(layout.axes)
+    def _prepare(self) -> None:
+        bodies = {name.removesuffix(SUFFIX): i for i, name in enumerate(self.layout.body) if name.endswith(SUFFIX)}
         self._hung = {  # body and contacts of each
-            load: (i, [k for k, owner in enumerate(owners) if owner == load])
-            for load, i in bodies.items() if layout.path == "time"
+            load: (i, [k for k, owner in enumerate(self.loads) if owner == load])
+            for load, i in bodies.items() if self.layout.path == "time"
         }  # fmt: skip
         self._spans = {load: array("d") for load in self._hung}
         self._times = array("d")
@@ -49,11 +43,11 @@ class HangingWatch:
         if self._hung:
             self._times.extend(frames.path)
 
-    def messages(self) -> Iterator[str]:
+    def messages(self, run_info: RunInfo) -> Iterator[str]:
         """The payloads whose largest pull stands out from those before and after."""
         path = np.array(self._times)
         for load, span in self._spans.items():
-            pull = pull_of(self._scenario, load, np.array(span).reshape(path.size, self._axes), path)
+            pull = pull_of(self.scenario, load, np.array(span).reshape(path.size, len(self.layout.axes)), path)
             if pull is None or (i := sharp(np.nan_to_num(pull))) is None:
                 continue
             yield too_far_apart(f"the largest pull of payload {load}", pull, path, i)

@@ -23,7 +23,7 @@ from ropewalk.results.labelled import of_frames
 from ropewalk.results.past import Past
 from ropewalk.results.slots import Slots, cut, digests
 from ropewalk.results.target import alone, check_target
-from ropewalk.results.verdict import Watch
+from ropewalk.results.verdict import Verdict
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -77,14 +77,14 @@ class Recorder:
         if layout.path not in contract.PATHS:
             raise ValueError(f"the leading dimension is one of {', '.join(contract.PATHS)}, not {layout.path!r}")
         self._run_info = run_info
-        self._watch = Watch(layout, scenario)
+        self._verdict = Verdict(layout, scenario)
         self._shapes = contract.shapes(layout)
         self._result: xr.Dataset | None = None
         self._closed = False
         fixed = contract.scenario_attributes(scenario)
         if past is not None:
             for frames in past.frames(layout):
-                self._watch.see(frames)
+                self._verdict.see(frames)
         kept = None if run is None or file is None else partial(_checkpoint, digests(scenario), run_info, run)
         self._store: _Store = (
             _Memory(layout, fixed, run) if file is None else _File(layout, fixed, file, run, kept, past, opened)
@@ -112,7 +112,7 @@ class Recorder:
             given = frames.of[name].shape[1:] if name in frames.of else None
             if given != shape and not (given is None and 0 in shape):
                 raise ValueError(f"frame {self.frames}: {name} has shape {given}, the layout requires {shape}")
-        self._watch.see(frames)
+        self._verdict.see(frames)
         self._store.extend(frames, self._run_info)
 
     def close(self) -> xr.Dataset:
@@ -123,7 +123,7 @@ class Recorder:
         """
         if not self._closed:
             self._closed = True
-            self._watch.judge(self._run_info)
+            self._verdict.judge(self._run_info)
             self._run_info.conclude()
             try:
                 self._store.finish(self._run_info)
@@ -149,7 +149,7 @@ class Recorder:
         if not self._closed:
             self._closed = True
             if self.frames:
-                self._watch.judge(run_info)
+                self._verdict.judge(run_info)
                 with contextlib.suppress(WriteError):  # the problem under way is the one to report
                     self._store.finish(run_info)
             self._store.release()
