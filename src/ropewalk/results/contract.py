@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -158,9 +158,9 @@ def is_present(quantity: ResultVariable, size: Mapping[Any, int]) -> bool:
     return all(size.get(dim, 0) or dim not in OPTIONAL for dim in quantity.dims)
 
 
-def coordinate_values(layout: Layout) -> dict[str, NDArray[Any]]:
-    """Values of all coordinates but the leading one: names as text, `xi` and `link_xi` in m."""
-    names = {
+def _names(layout: Layout) -> dict[str, Sequence[str]]:
+    """Names along every dimension that has some, by coordinate."""
+    return {
         "axis": layout.axes,
         "line": layout.node_line,
         "link_line": layout.link_line,
@@ -180,7 +180,11 @@ def coordinate_values(layout: Layout) -> dict[str, NDArray[Any]]:
         "direction": DIRECTIONS if layout.cell else (),
         "cell_net": layout.cell_net,
     }
-    values: dict[str, NDArray[Any]] = {name: np.array(text, dtype=np.str_) for name, text in names.items()}
+
+
+def coordinate_values(layout: Layout) -> dict[str, NDArray[Any]]:
+    """Values of all coordinates but the leading one: names as text, `xi` and `link_xi` in m."""
+    values: dict[str, NDArray[Any]] = {name: np.array(text, dtype=np.str_) for name, text in _names(layout).items()}
     values["xi"] = np.array(layout.node_xi, dtype=np.float64)
     values["link_xi"] = np.array(layout.link_xi, dtype=np.float64)
     for name in ("tie_station", "watched_station", "sample"):
@@ -191,27 +195,8 @@ def coordinate_values(layout: Layout) -> dict[str, NDArray[Any]]:
 
 def sizes(layout: Layout) -> dict[str, int]:
     """Length of every dimension but the leading one."""
-    return {
-        "node": len(layout.node_line),
-        "axis": len(layout.axes),
-        "link": len(layout.link_line),
-        "contact": len(layout.contact_load),
-        "body": len(layout.body),
-        "side": len(SIDES),
-        "support": len(layout.support),
-        "form": len(ENERGY_FORMS),
-        "tie": len(layout.tie),
-        "watched": len(layout.watched),
-        "sample": len(layout.sample),
-        "foreign": len(layout.external),
-        "compared": len(layout.compared),
-        "cell": len(layout.cell),
-        "hauled": len(layout.hauled),
-        "rope_end": len(ROPE_ENDS) if layout.hauled else 0,
-        "sheave": len(layout.sheave),
-        "corner": len(CORNERS) if layout.cell else 0,
-        "direction": len(DIRECTIONS) if layout.cell else 0,
-    }
+    named = {COORDINATES[name].dims[0]: len(names) for name, names in _names(layout).items()}
+    return named | {"sample": len(layout.sample), "cell": len(layout.cell)}
 
 
 def shapes(layout: Layout) -> dict[str, tuple[int, ...]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from matplotlib.ticker import NullLocator
 from ropewalk.results import style
 from ropewalk.results.axis_units import round_axis
 from ropewalk.results.contact_statistics import CUTOFF, contact_statistics, filtered, interval_of, samples
-from ropewalk.results.display_units import DisplayUnits, number
+from ropewalk.results.display_units import DisplayUnits, decimals, number
 from ropewalk.results.film_arrays import FilmArrays
 from ropewalk.results.frame import Array
 from ropewalk.results.picture import DrawnQuantity
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Corners = tuple[Array, Array]
+LISTED = 6  # loads whose forces are written
 MARGIN = 0.03  # of the width: free space at both ends
 _TEXT: dict[str, Any] = {"va": "top", "family": "monospace", "animated": True, "zorder": 9,
                          "bbox": {"boxstyle": "square,pad=0.15", "facecolor": "white", "edgecolor": "none",
@@ -203,3 +205,30 @@ class ForceTrack:
         so_far = self._instant <= self._time[k] + 1e-9
         for n, curve in enumerate(self.artists):
             curve.set_data(self._x[so_far, n // 2] - shift, self._forces[n % 2][so_far, n // 2])
+
+
+class Meter:
+    """Writes forces of fixed width, so that numbers do not jump.
+
+    Args:
+        names: of the loads; without names for one that is alone.
+        forces: (frame, load) N, their sizes; NaN off the line.
+        units: that they are shown in.
+    """
+
+    def __init__(self, names: Sequence[str], forces: Array, units: DisplayUnits | None = None) -> None:
+        self._names, self._forces = names[:LISTED], forces[:, :LISTED]
+        self._unit = (units or DisplayUnits.read(None)).of("N", [self._forces])
+        kept = np.abs(self._forces[np.isfinite(self._forces)])
+        largest = float(kept.max(initial=0.0)) / self._unit.size or 1.0
+        self._decimals = decimals(largest, 3)
+        self._width = len(f"{-largest:.{self._decimals}f}")
+        self._longest = max(map(len, self._names), default=0)
+
+    def label(self, k: int) -> str:
+        """The forces in the k-th frame shown."""
+        lines = []
+        for name, force in zip(self._names, self._forces[k] / self._unit.size, strict=True):
+            number = f"{force:{self._width}.{self._decimals}f}" if np.isfinite(force) else "–".rjust(self._width)
+            lines.append(f"{name:{self._longest}} {number} {self._unit.symbol}")
+        return "\n".join(lines)

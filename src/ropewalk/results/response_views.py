@@ -10,8 +10,7 @@ import numpy as np
 
 from ropewalk.results import style
 from ropewalk.results.line_response import UNITS, histories
-from ropewalk.results.people import crowds_in
-from ropewalk.results.trains import trains_in
+from ropewalk.results.trains import crowds_in, trains_in
 from ropewalk.results.views import draw_curves, path_label
 
 if TYPE_CHECKING:

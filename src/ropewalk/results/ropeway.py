@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from ropewalk.model.carriage import Carriage, Haul
 from ropewalk.results.contact_statistics import contacts_by_load, scenario_of
 from ropewalk.results.contract import path_name
+from ropewalk.results.extremes import Summary, largest
 from ropewalk.results.frame import Array
 from ropewalk.results.ground import heights
 from ropewalk.results.hauling import Hauling
@@ -20,8 +22,7 @@ if TYPE_CHECKING:
 
 # Part of the angle h/R by which links turn on a groove, from which on a node is taken to lie there.
 TURNS = 0.1
-
-Summary = dict[str, Any]
+_ENDS = {"max": np.nanargmax, "min": np.nanargmin}
 
 
 def ropeway_summary(dataset: xr.Dataset) -> dict[str, Any]:
@@ -51,18 +52,10 @@ def ropeway_summary(dataset: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def _both(values: Array, unit: str, dataset: xr.Dataset, of: list[str] | None = None) -> Summary | None:
+def _both(values: Array, unit: str, dataset: xr.Dataset, of: Sequence[str] = ()) -> Summary | None:
     """The largest and the least of values (instant,) or (instant, which), with when and of what; NaN is left out."""
-    if not np.isfinite(values).any():
-        return None
-    name = path_name(dataset)
-    path = dataset[name].values
-    found: Summary = {"unit": unit}
-    for key, pick in (("max", np.nanargmax), ("min", np.nanargmin)):
-        i = np.unravel_index(int(pick(values)), values.shape)
-        own: Summary = {"value": float(values[i]), "unit": unit, name: float(path[i[0]])}
-        found[key] = own | ({"of": of[int(i[1])]} if of is not None and len(i) > 1 else {})
-    return found
+    ends = {key: largest(dataset, values, unit, of, pick) for key, pick in _ENDS.items()}
+    return {"unit": unit, **ends} if ends["max"] is not None else None
 
 
 def courses(dataset: xr.Dataset) -> dict[str, dict[str, tuple[Array, str]]]:

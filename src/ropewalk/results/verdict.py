@@ -14,7 +14,6 @@ from ropewalk.results.after_start import falls
 from ropewalk.results.attachments import AttachmentWatch
 from ropewalk.results.audit import ROUNDING
 from ropewalk.results.axial_restraint import AxialRestraintWatch
-from ropewalk.results.calm import started_too_close
 from ropewalk.results.close_contacts import CloseContactsWatch
 from ropewalk.results.contact_order import ContactOrderWatch
 from ropewalk.results.energy_balance import RESIDUAL, EnergyWatch
@@ -26,9 +25,9 @@ from ropewalk.results.ground import GroundWatch
 from ropewalk.results.hanging import HangingWatch
 from ropewalk.results.lifted_rope import LiftedRopeWatch
 from ropewalk.results.lost_contact import LostContactWatch
+from ropewalk.results.pantograph_warnings import started_too_close, stiff_below
 from ropewalk.results.peaks import beside, lonely, missed, sharp, too_far_apart
 from ropewalk.results.pushing import PushWatch
-from ropewalk.results.roof_springs import stiff_below
 from ropewalk.results.start_position import StartPositionWatch
 from ropewalk.results.strain_range import StrainRangeWatch
 from ropewalk.results.strength import StrengthWatch
