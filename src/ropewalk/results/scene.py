@@ -8,7 +8,6 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 from mpl_toolkits.mplot3d import Axes3D
-from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
 from ropewalk.results import style
 from ropewalk.results.frame import Array
@@ -122,16 +121,6 @@ class Scene:
         elevation, azimuth = np.radians((self.axes.elev, self.axes.azim))
         flat = np.cos(elevation)
         return np.array([flat * np.cos(azimuth), flat * np.sin(azimuth), np.sin(elevation)])
-
-
-def segments(points: Array, **options: Any) -> Any:
-    """A collection of strokes (stroke, point, 3)."""
-    return Line3DCollection(points, **options)
-
-
-def faces(corners: Array, **options: Any) -> Any:
-    """A collection of triangles (triangle, 3, 3)."""
-    return Poly3DCollection(corners, **options)
 
 
 def _box(points: Array) -> tuple[Array, Array, Array]:

@@ -5,16 +5,24 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.markers import CARETUP
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from ropewalk.results import style
 from ropewalk.results.contract import path_name
 from ropewalk.results.display_units import number
-from ropewalk.results.nets import NetTriangles, cell_values, line_ends, net_names, triangles
-from ropewalk.results.scene import LONG, Scene, faces, segments
-from ropewalk.results.shape_views import CELLS, POINTS, Chosen, bar, instants_bar, paths, shading, word
-from ropewalk.results.statistics import lines
-from ropewalk.results.ties import tied, ties
+from ropewalk.results.nets import NetTriangles, cell_values, net_names, triangles
+from ropewalk.results.scene import LONG, Scene
+from ropewalk.results.shape_views import (
+    CELLS,
+    Chosen,
+    add_strokes,
+    bar,
+    draw_lines,
+    draw_loads,
+    instants_bar,
+    shading,
+    word,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,8 +45,14 @@ def space(dataset: xr.Dataset, panel: Axes) -> Scene:
     scene = Scene(panel, chosen.points)
     if net_names(dataset):
         _nets(dataset, scene, chosen)
-    _ropes(dataset, scene, chosen)
-    _loads(dataset, scene, chosen)
+    shade = None
+    if len(chosen.frames) == 1 and dataset.sizes["link"]:
+        has_nets = bool(net_names(dataset))
+        pull = dataset["tension"][int(chosen.frames[0])].values
+        shade = shading(pull, style.INSTANTS if has_nets else style.TENSION)
+        bar(panel, shade, "tension of the lines (N)" if has_nets else "tension (N)")
+    draw_lines(dataset, scene.axes, chosen, [0, 1, 2], shade)
+    draw_loads(dataset, scene.axes, panel, chosen, [0, 1, 2])
     values, unit = dataset[path_name(dataset)].values[chosen.frames], dataset[path_name(dataset)].attrs["units"]
     title = "Shapes"
     if len(values) == 1:
@@ -64,49 +78,9 @@ def _nets(dataset: xr.Dataset, scene: Scene, chosen: Chosen) -> None:
     sides: dict[str, Any] = {"edgecolors": colours, "linewidths": 0.3}  # or else the ground shines through the seams
     if len(mesh.cells) <= MESH:
         sides["edgecolors"] = 0.75 * colours + [0.0, 0.0, 0.0, 0.25]
-    scene.axes.add_collection3d(faces(place[mesh.cells], facecolors=colours, zorder=1, **sides))
-    scene.axes.add_collection3d(segments(place[mesh.edges], colors=style.INK, linewidths=style.LINE, zorder=2))
+    scene.axes.add_collection3d(Poly3DCollection(place[mesh.cells], facecolors=colours, zorder=1, **sides))
+    add_strokes(scene.axes, place[mesh.edges], colors=style.INK, linewidths=style.LINE, zorder=2)
     bar(scene.panel, shade, label)
-
-
-def _ropes(dataset: xr.Dataset, scene: Scene, chosen: Chosen) -> None:
-    """Lines at every instant, one alone shaded by tension, and their supports."""
-    shade, ends = None, []
-    if len(chosen.frames) == 1 and dataset.sizes["link"]:
-        pull = dataset["tension"][int(chosen.frames[0])].values
-        shade = shading(pull, style.INSTANTS if net_names(dataset) else style.TENSION)
-        bar(scene.panel, shade, "tension of the lines (N)" if net_names(dataset) else "tension (N)")
-    for line in lines(dataset):
-        nodes = np.flatnonzero(dataset["line"].values == line)
-        kept = style.thinned(len(nodes), POINTS)
-        for place, colour in zip(chosen.position[:, nodes[kept]], chosen.colours, strict=True):
-            if shade is None:
-                scene.axes.plot(*place.T, color=colour, linewidth=style.LINE, zorder=3)
-            else:
-                links = np.flatnonzero(dataset["link_line"].values == line)[kept[:-1]]
-                strokes = np.stack((place[:-1], place[1:]), axis=1)
-                options: dict[str, Any] = {"linewidths": style.sized(2.5), "capstyle": "round", "zorder": 3}
-                scene.axes.add_collection3d(segments(strokes, colors=shade.to_rgba(pull[links]), **options))
-        ends += line_ends(dataset, line).tolist()
-    foot: dict[str, Any] = {"linestyle": "none", "marker": CARETUP, "markersize": style.sized(8), "color": style.INK}
-    if ends:
-        scene.axes.plot(*chosen.position[0, ends].T, **foot, zorder=4)
-
-
-def _loads(dataset: xr.Dataset, scene: Scene, chosen: Chosen) -> None:
-    """Paths of loads and bodies, and where they are at the instants."""
-    for label, path, look in paths(dataset, chosen) if len(chosen.contacts) > 1 else ():
-        scene.axes.plot(*path.T, **{**look, "zorder": 6})
-        scene.panel.plot([], [], label=label, **look)
-    pairs = ties(dataset)
-    for frame, colour in zip(chosen.frames, chosen.colours, strict=True):
-        contacts, bodies = chosen.contacts[frame], chosen.bodies[frame]
-        parts = tied(bodies, contacts, pairs)
-        if len(parts):
-            scene.axes.add_collection3d(segments(parts, colors=[colour], linewidths=style.THIN, zorder=7))
-        dot: dict[str, Any] = {"linestyle": "none", "color": colour, "markeredgecolor": "white", "zorder": 8}
-        scene.axes.plot(*contacts.T, marker="o", markersize=style.sized(6), **dot)
-        scene.axes.plot(*bodies.T, marker="s", markersize=style.sized(6), **dot)
 
 
 def is_long(dataset: xr.Dataset) -> bool:

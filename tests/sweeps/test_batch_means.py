@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from ropewalk.results.batch_means import half_width
+from ropewalk.sweeps.batch_means import half_width
 from ropewalk.scenario import loads
 from ropewalk.simulate import simulate
 from ropewalk.sweeps.quantities import measured
