@@ -22,8 +22,13 @@ from ropewalk.results.files import ResultError
 from ropewalk.results.frame import Array
 from ropewalk.results.nets import is_spatial
 from ropewalk.results.page import Page
-from ropewalk.results.response_views import VIEWS_OF_PLACES, seen_at_places, with_first_axles
-from ropewalk.results.ropeway_views import VIEWS_OF_CARRIAGES, seen_of_carriages
+from ropewalk.results.response_views import (
+    VIEWS_OF_CARRIAGES,
+    VIEWS_OF_PLACES,
+    seen_at_places,
+    seen_of_carriages,
+    with_first_axles,
+)
 from ropewalk.results.shape_views import plan
 from ropewalk.results.space_figure import is_long, space
 from ropewalk.results.table import NOTHING, ROUND_OFF

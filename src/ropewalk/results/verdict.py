@@ -17,7 +17,6 @@ from ropewalk.results.axial_restraint import AxialRestraintWatch
 from ropewalk.results.close_contacts import CloseContactsWatch
 from ropewalk.results.contact_order import ContactOrderWatch
 from ropewalk.results.energy_balance import RESIDUAL, EnergyWatch
-from ropewalk.results.foundation_step import phase_warnings
 from ropewalk.results.frame import OFF_LINE, Array, Doubt, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.given_tension import GivenTensionWatch
@@ -25,13 +24,12 @@ from ropewalk.results.ground import GroundWatch
 from ropewalk.results.hanging import HangingWatch
 from ropewalk.results.lifted_rope import LiftedRopeWatch
 from ropewalk.results.lost_contact import LostContactWatch
-from ropewalk.results.pantograph_warnings import started_too_close, stiff_below
 from ropewalk.results.peaks import beside, lonely, missed, sharp, too_far_apart
 from ropewalk.results.pushing import PushWatch
+from ropewalk.results.scenario_warnings import blows_at_once, phase_warnings, started_too_close, stiff_below
 from ropewalk.results.start_position import StartPositionWatch
 from ropewalk.results.strain_range import StrainRangeWatch
 from ropewalk.results.strength import StrengthWatch
-from ropewalk.results.sudden_wind import blows_at_once
 from ropewalk.results.watch import Watch
 
 if TYPE_CHECKING:
