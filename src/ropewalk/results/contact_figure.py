@@ -15,6 +15,7 @@ from matplotlib.ticker import PercentFormatter
 
 from ropewalk.model.overlap import analysed_of, course_of, reach_of
 from ropewalk.results import style
+from ropewalk.results.acceptance import FAIL, Judgement
 from ropewalk.results.contact_statistics import (
     BETWEEN,
     CUTOFF,
@@ -32,7 +33,6 @@ from ropewalk.results.contact_statistics import (
 from ropewalk.results.contact_summary import limits_of
 from ropewalk.results.course import courses, on_lines, on_strips, transitions
 from ropewalk.results.frame import Array
-from ropewalk.results.limits import FAIL, Judgement
 from ropewalk.results.shape_views import bar
 from ropewalk.results.table import ROUND_OFF
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ropewalk.model.pantograph import LEADING, TRAILING, Pantograph
-from ropewalk.results.acceptance import acceptance_of
+from ropewalk.results.acceptance import SEPARATOR, UNKNOWN, Judgement, acceptance_of, judged
 from ropewalk.results.contact_statistics import (
     BETWEEN,
     CUTOFF,
@@ -27,7 +27,6 @@ from ropewalk.results.contact_statistics import (
 )
 from ropewalk.results.contract import doubts_of
 from ropewalk.results.course import courses, on_strips, transitions
-from ropewalk.results.limits import SEPARATOR, UNKNOWN, Judgement, judged
 
 if TYPE_CHECKING:
     import xarray as xr

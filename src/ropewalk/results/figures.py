@@ -28,8 +28,8 @@ from ropewalk.results.response_views import (
     seen_of_carriages,
     with_first_axles,
 )
+from ropewalk.results.scene import is_long, space
 from ropewalk.results.shape_views import plan
-from ropewalk.results.space_figure import is_long, space
 from ropewalk.results.table import NOTHING, ROUND_OFF
 from ropewalk.results.trains import grouped_contacts
 from ropewalk.results.views import VIEWS, any_of, headline

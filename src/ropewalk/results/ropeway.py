@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -13,12 +13,32 @@ from ropewalk.results.contract import path_name
 from ropewalk.results.extremes import Summary, largest
 from ropewalk.results.frame import Array
 from ropewalk.results.ground import heights
-from ropewalk.results.hauling import Hauling
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from ropewalk.model import Scenario
+
+
+class Hauling(NamedTuple):
+    """Tensions of a hauling rope and its counter rope, (instant,) N."""
+
+    pull: Array  # of the hauling rope at the carriage
+    drive: Array  # of the same at the drive
+    counter: Array  # of the counter rope at the carriage
+    slack_side: Array  # at the drive, on the side of the counter weight
+
+    @staticmethod
+    def of(tensions: Array) -> Hauling:
+        """Those of one carriage, (instant, end of the rope) N."""
+        return Hauling(*tensions.T)
+
+    @property
+    def ratio(self) -> Array:
+        """Tension of the one side of the drive over that of the other, 1 or more, (instant,)."""
+        one, other = np.maximum(self.drive, 1e-300), np.maximum(self.slack_side, 1e-300)
+        return np.asarray(np.maximum(one / other, other / one))
+
 
 # Part of the angle h/R by which links turn on a groove, from which on a node is taken to lie there.
 TURNS = 0.1

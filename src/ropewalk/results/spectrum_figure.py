@@ -15,8 +15,7 @@ from ropewalk.results.spectrum import ROUNDING
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ropewalk.results.mode_names import Modes
-    from ropewalk.results.spectrum import Spectrum
+    from ropewalk.results.spectrum import Modes, Spectrum
 
 TICKS = 4  # most powers of ten marked on each side of zero
 LINEAR = 0.6  # length of the linear part on each side of zero, in decades

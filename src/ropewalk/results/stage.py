@@ -25,9 +25,8 @@ from ropewalk.results.film_symbols import SPACE, Brush, draw_symbol
 from ropewalk.results.frame import Array
 from ropewalk.results.nets import in_space
 from ropewalk.results.picture import AROUND
-from ropewalk.results.scene import LONG
+from ropewalk.results.scene import LONG, MESH
 from ropewalk.results.shape_views import bar, shading
-from ropewalk.results.space_figure import MESH
 from ropewalk.results.tempo import Tempo
 
 if TYPE_CHECKING:

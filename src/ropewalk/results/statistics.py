@@ -20,8 +20,7 @@ from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, Array
 from ropewalk.results.hanging import payload_summary
 from ropewalk.results.joint_statistics import joint_summary
 from ropewalk.results.line_response import response_summary
-from ropewalk.results.net_statistics import net_summary
-from ropewalk.results.nets import net_names
+from ropewalk.results.nets import net_names, net_summary
 from ropewalk.results.own_way import friction_of_steps, last_place, lowest_place, steps
 from ropewalk.results.peaks import impulses
 from ropewalk.results.ropeway import ropeway_summary
