@@ -24,7 +24,7 @@ from ropewalk.model.scenario import Scenario
 from ropewalk.results.contract import CONVENTIONS, LACKING
 from ropewalk.results.files import ResultError, open_result
 from ropewalk.results.frame import Array, RunInfo
-from ropewalk.results.past import Past
+from ropewalk.results.slots import Past
 from ropewalk.results.slots import digests
 from ropewalk.results.target import alone
 from ropewalk.scenario import loads

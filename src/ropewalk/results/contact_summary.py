@@ -52,6 +52,9 @@ class StripStatistics:
 STRIP_UNITS = {"mean": "N", "deviation": "N", "maximum": "N", "minimum": "N", "loss": "1"}
 
 
+_FILTER = {"kind": "Butterworth, zero phase", "order": ORDER, "unit": "Hz", "limit": CUTOFF, "between": BETWEEN}
+
+
 def contact_summary(dataset: xr.Dataset) -> Summary:
     """Give `pantographs` and `overhead_lines` of a result, by name; of one without samples droppers alone.
 
@@ -115,13 +118,7 @@ def _pantograph(
         "line": found.line,
         "analysed_spans": spans,
         "complete": found.complete,
-        "filter": {
-            "kind": "Butterworth, zero phase",
-            "order": ORDER,
-            "unit": "Hz",
-            "limit": CUTOFF,
-            "between": BETWEEN,
-        },
+        "filter": _FILTER,
         **values,
         "acceptance": _acceptance(acceptance_of(scenario, name, found)),
         "limits": _limits(judgement),

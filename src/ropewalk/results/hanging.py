@@ -13,12 +13,12 @@ from ropewalk.mechanics.travelled import Travelled
 from ropewalk.model.trolley import Trolley
 from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contract import path_name
+from ropewalk.results.declared import ties
 from ropewalk.results.extremes import Summary, largest
 from ropewalk.results.frame import Array, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.own_way import lowest
 from ropewalk.results.peaks import sharp, too_far_apart
-from ropewalk.results.ties import ties
 from ropewalk.results.watch import Watch
 
 if TYPE_CHECKING:

@@ -19,14 +19,13 @@ import numpy as np
 
 from ropewalk.results import style
 from ropewalk.results.contact_statistics import scenario_of
-from ropewalk.results.declared import declared, line_of
+from ropewalk.results.declared import declared, line_of, ties
 from ropewalk.results.display_units import DisplayUnits
 from ropewalk.results.drawn import drawn_position
 from ropewalk.results.frame import Array
 from ropewalk.results.line_response import LineResponse
 from ropewalk.results.nets import is_spatial
 from ropewalk.results.symbols import Symbol, Wheels, symbols_of
-from ropewalk.results.ties import ties
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -20,8 +20,7 @@ from ropewalk.results.files import WriteError, beside, open_result
 from ropewalk.results.frame import Array, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.labelled import of_frames
-from ropewalk.results.past import Past
-from ropewalk.results.slots import Slots, cut, digests
+from ropewalk.results.slots import Past, Slots, cut, digests
 from ropewalk.results.target import alone, check_target
 from ropewalk.results.verdict import Verdict
 
@@ -36,13 +35,7 @@ SLOW_FRAME = 0.1  # frames that come more slowly, in s, are written at once: it 
 BLOCK_BYTES = 1_000_000  # frames wait in memory up to this size: fewer and larger writes
 BLOCK_ROWS = 512
 _CUT_SHORT = ("interrupted", "failed")  # outcomes of runs that did not come to where they were before
-_METADATA = (
-    "method",
-    "reason",
-    "step",
-    "doubts",
-    "warnings",
-)  # attributes that are kept up to date while a run continues
+_METADATA = ("method", "reason", "step", "doubts", "warnings")  # kept up to date while a run continues
 RESERVE = 16 * 1024  # bytes kept free in the header for attributes that grow, or else the data would have to move
 
 
@@ -411,12 +404,8 @@ def _create(path: Path, layout: Layout, attributes: dict[str, contract.Attribute
     for name in size:
         if size[name]:  # a length of zero would mean "unlimited"; `open_result` gives what is missing
             file.createDimension(name, size[name])
-    unknown: dict[str, contract.Attribute] = {
-        checksums.CHECKED: 0,
-        checksums.FRAMES: checksums.NONE,
-        checksums.HEAD: checksums.NONE,
-    }
-    file.setncatts({**_storable({**attributes, **unknown}), "reserve": " " * RESERVE})
+    unknown = {checksums.FRAMES: checksums.NONE, checksums.HEAD: checksums.NONE, "reserve": " " * RESERVE}
+    file.setncatts(_storable({**attributes, checksums.CHECKED: 0, **unknown}))
     for name, quantity in contract.COORDINATES.items():
         if all(size[d] for d in quantity.dims):
             _write_coordinate(file, name, quantity, contract.coordinate_values(layout)[name])

@@ -19,8 +19,17 @@ from ropewalk.results.contact_figure import is_of_overhead_line
 from ropewalk.results.contact_statistics import line_statistics
 from ropewalk.results.contract import path_name
 from ropewalk.results.display_units import DisplayUnits
-from ropewalk.results.film_arrays import FilmArrays
-from ropewalk.results.film_panels import MARGIN, Diagram, FlatView, ForceTrack, Meter, SpaceView, label_heights, reading
+from ropewalk.results.film_panels import (
+    MARGIN,
+    Diagram,
+    FilmArrays,
+    FlatView,
+    ForceTrack,
+    Meter,
+    SpaceView,
+    label_heights,
+    reading,
+)
 from ropewalk.results.film_symbols import SPACE, Brush, draw_symbol
 from ropewalk.results.frame import Array
 from ropewalk.results.nets import in_space

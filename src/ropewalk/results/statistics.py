@@ -210,14 +210,9 @@ def _furthest(dataset: xr.Dataset, away: Callable[[xr.Dataset, str], Distances])
             at = np.unravel_index(int(np.nanargmax(found.value)), found.value.shape)
             if best is None or found.value[at] > best["value"]:
                 level = dataset["axis"].values.tolist()[:-1]
-                best = {
-                    "value": found.value[at],
-                    "unit": "m",
-                    "line": line,
-                    "xi": found.xi[at],
-                    **dict(zip(level, found.place[at][:-1].tolist(), strict=True)),
-                    path_name(dataset): block[path_name(block)].values[at[0]],
-                }
+                place = dict(zip(level, found.place[at][:-1].tolist(), strict=True))
+                best = {"value": found.value[at], "unit": "m", "line": line, "xi": found.xi[at], **place}
+                best[path_name(dataset)] = block[path_name(block)].values[at[0]]
     return best
 
 
@@ -323,14 +318,9 @@ def _mesh(dataset: xr.Dataset) -> Summary | None:
     metadata = dataset.attrs
     if "mesh" not in metadata:
         return None
-    errors = {
-        key: metadata.get(name, math.nan)
-        for key, name in (("error", "mesh_error"), ("of_contacts", "mesh_error_of_contacts"))
-    }
-    return {
-        "told": metadata["mesh"], "order": metadata.get("mesh_order", math.nan),
-        **{key: {"value": value, "unit": "m"} for key, value in errors.items()},
-    }  # fmt: skip
+    names = {"error": "mesh_error", "of_contacts": "mesh_error_of_contacts"}
+    errors = {key: {"value": metadata.get(name, math.nan), "unit": "m"} for key, name in names.items()}
+    return {"told": metadata["mesh"], "order": metadata.get("mesh_order", math.nan), **errors}
 
 
 def _method(dataset: xr.Dataset) -> Summary:

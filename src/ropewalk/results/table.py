@@ -164,12 +164,8 @@ def _net_rows(name: str, net: Summary, say: Column) -> Iterator[Row]:
         if net[key] is not None:
             yield f"{what} tension per width", say(net[key]["value"], "N/m"), _place(net[key], say)
     if net["slack"] is not None and net["slack"]["value"]:
-        sentence = "of the triangles pull in one direction at most"
-        yield (
-            "slack, at most",
-            f"{number(100 * net['slack']['value'], 2)} %",
-            "  ".join((sentence, *say.when(net["slack"]))),
-        )
+        where = "  ".join(("of the triangles pull in one direction at most", *say.when(net["slack"])))
+        yield "slack, at most", f"{number(100 * net['slack']['value'], 2)} %", where
     if net["largest_sag"] is not None:
         yield "largest sag", say(net["largest_sag"]["value"], "m"), _place(net["largest_sag"], say)
     yield "nodes", f"{net['nodes']}", f"{net['cells']} triangles"
@@ -215,12 +211,8 @@ def _pantograph_rows(name: str, found: Summary, say: Column) -> Iterator[Row]:
     if value["target"] is not None:
         target = f"{number(value['target_ratio'], 3)} of the target {say(value['target'], 'N')}"
     yield "mean contact force Fm", say(value["mean"], "N"), target
-    low, high = say(value["deviation_low"], "N", 3), say(value["deviation_high"], "N", 3)
-    yield (
-        f"sigma, 0-{limit:g} Hz",
-        say(value["deviation"], "N", 3),
-        (f"0-{between:g} Hz: {low}  {between:g}-{limit:g} Hz: {high}"),
-    )
+    sigma, low, high = (say(value[f"deviation{band}"], "N", 3) for band in ("", "_low", "_high"))
+    yield f"sigma, 0-{limit:g} Hz", sigma, f"0-{between:g} Hz: {low}  {between:g}-{limit:g} Hz: {high}"
     yield "sigma / Fm", number(value["relative_deviation"], 3), ""
     yield "Fm - 3 sigma, Fm + 3 sigma", say.span(value["statistical_minimum"], value["statistical_maximum"], "N"), ""
     for key, what in (("maximum", "largest"), ("minimum", "smallest")):
