@@ -76,8 +76,8 @@ def simulate(
         ScenarioError: the run would replace the result that it starts from.
         RopewalkError: the scenario has no rest shape to start from, or the file cannot be written.
     """
+    from ropewalk.results.files import check_own, check_target
     from ropewalk.results.recorder import Recorder
-    from ropewalk.results.target import check_own, check_target
 
     if file is not None:
         check_target(file)  # before anything is computed

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ropewalk.results.display_units import DisplayUnits
     from ropewalk.results.extrapolation import extrapolated
     from ropewalk.results.figures import figure, figure_data, single
-    from ropewalk.results.files import ResultError, WriteError, open_result
+    from ropewalk.results.files import ResultError, WriteError, check_target, open_result
     from ropewalk.results.frame import ENERGY_FORMS, Frame, Layout, RunInfo
     from ropewalk.results.recorder import Recorder
     from ropewalk.results.report import html_report
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
         tables,
         write_tables,
     )
-    from ropewalk.results.target import check_target
     from ropewalk.results.vtk_export import export
 
 _NAMES = {
@@ -37,14 +36,13 @@ _NAMES = {
     "display_units": "DisplayUnits",
     "extrapolation": "extrapolated",
     "figures": "figure figure_data single",
-    "files": "ResultError WriteError open_result",
+    "files": "ResultError WriteError check_target open_result",
     "frame": "ENERGY_FORMS Frame Layout RunInfo",
     "recorder": "Recorder",
     "report": "html_report",
     "statistics": "summary",
     "table": "text",
     "table_export": "named_numbers named_texts save_tables series_table tables write_tables",
-    "target": "check_target",
     "vtk_export": "export",
 }
 _HOME = {name: module for module, names in _NAMES.items() for name in names.split()}

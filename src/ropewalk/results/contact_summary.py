@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from ropewalk.results.contact_statistics import (
 )
 from ropewalk.results.contract import doubts_of
 from ropewalk.results.course import courses, on_strips, transitions
+from ropewalk.results.extremes import Summary
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
     from ropewalk.model import Scenario
     from ropewalk.results.acceptance import Acceptance
 
-Summary = dict[str, Any]
 _TURNS = {"pitch": (LEADING, TRAILING), "roll": ("left", "right")}
 
 

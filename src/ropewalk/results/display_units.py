@@ -21,6 +21,8 @@ class DisplayUnit(NamedTuple):
 
 
 _UnitSteps = tuple[DisplayUnit, ...]
+Row = tuple[str, str, str]
+"""Of a table: what, how much, where and when."""
 
 
 def _decimal(si: str, prefixes: str = " kM") -> _UnitSteps:

@@ -6,9 +6,8 @@ from collections.abc import Callable, Iterator, Mapping
 from itertools import groupby
 from typing import Any
 
-from ropewalk.results.display_units import Column, number
+from ropewalk.results.display_units import Column, Row, number
 
-Row = tuple[str, str, str]
 _MOST = 12  # rows; JSON and tables have the lengths of all droppers
 
 

@@ -20,7 +20,6 @@ from ropewalk.results.display_units import DisplayUnits
 from ropewalk.results.files import ResultError
 from ropewalk.results.frame import Array
 from ropewalk.results.nets import is_spatial
-from ropewalk.results.page import Page
 from ropewalk.results.response_views import (
     VIEWS_OF_CARRIAGES,
     VIEWS_OF_PLACES,
@@ -30,6 +29,7 @@ from ropewalk.results.response_views import (
 )
 from ropewalk.results.scene import is_long, space
 from ropewalk.results.shape_views import plan
+from ropewalk.results.style import Page
 from ropewalk.results.table import NOTHING, ROUND_OFF
 from ropewalk.results.trains import grouped_contacts
 from ropewalk.results.views import VIEWS, any_of, headline

@@ -10,14 +10,13 @@ import numpy as np
 from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contract import path_name
 from ropewalk.results.declared import declared
-from ropewalk.results.display_units import Column, number
+from ropewalk.results.display_units import Column, Row, number
 from ropewalk.results.extremes import Summary, span, vector
 from ropewalk.results.frame import Array
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Row = tuple[str, str, str]
 MANY, LARGEST = 8, 3  # with more joints than this only so many of them get rows
 _ENDS = {"start": 0, "end": -1}
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.results import style
 from ropewalk.results.contract import path_name
+from ropewalk.results.extremes import Summary
 from ropewalk.results.frame import Array
 
 if TYPE_CHECKING:
@@ -156,8 +157,6 @@ class NetTriangles:
 
 
 STEEP = 1e-6  # least to largest width of the edge as seen from above, below which a net has no depth
-
-Summary = dict[str, Any]
 
 
 def net_summary(dataset: xr.Dataset, segments: Iterable[xr.Dataset]) -> dict[str, Summary]:

@@ -16,12 +16,11 @@ import numpy as np
 
 from ropewalk.checkpoint import Tree
 from ropewalk.results import checksums, contract
-from ropewalk.results.files import WriteError, beside, open_result
+from ropewalk.results.files import WriteError, alone, beside, check_target, open_result
 from ropewalk.results.frame import Array, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.labelled import of_frames
 from ropewalk.results.slots import Past, Slots, cut, digests
-from ropewalk.results.target import alone, check_target
 from ropewalk.results.verdict import Verdict
 
 if TYPE_CHECKING:

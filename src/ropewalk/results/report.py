@@ -17,11 +17,12 @@ import numpy as np
 from ropewalk.errors import ScenarioError
 from ropewalk.model.writing import brief
 from ropewalk.results.contact_statistics import analysed_stations, scenario_of
-from ropewalk.results.display_units import Column, DisplayUnits, number
+from ropewalk.results.display_units import Column, DisplayUnits, Row, number
 from ropewalk.results.dropper_lengths import equal_spans
+from ropewalk.results.extremes import Summary
 from ropewalk.results.figures import figure, rows_of_panels
-from ropewalk.results.statistics import Summary, summary
-from ropewalk.results.table import Row, rows
+from ropewalk.results.statistics import summary
+from ropewalk.results.table import rows
 
 if TYPE_CHECKING:
     import xarray as xr

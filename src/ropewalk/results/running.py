@@ -206,10 +206,6 @@ class Known:
     given: Iterator[Frames]
     total: int
 
-    def frames(self) -> Iterator[Frame]:
-        """The same one by one."""
-        return (frame for block in self.given for frame in block)
-
     def blocks(self) -> Iterator[Frames]:
         """All of them."""
         return self.given

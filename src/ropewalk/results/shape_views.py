@@ -17,9 +17,9 @@ from ropewalk.results import style
 from ropewalk.results.contract import path_name
 from ropewalk.results.declared import hanging_bodies, tied, ties
 from ropewalk.results.display_units import number
-from ropewalk.results.drawn import drawn_position
 from ropewalk.results.frame import Array
 from ropewalk.results.nets import NetTriangles, in_space, line_ends, most_deflected, net_names, triangles
+from ropewalk.results.picture import drawn_position
 from ropewalk.results.statistics import lines
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contact_summary import contact_summary
 from ropewalk.results.contract import doubts_of, path_name
 from ropewalk.results.exchanges import exchange_summary
-from ropewalk.results.extremes import largest, span, vector
+from ropewalk.results.extremes import Summary, largest, span, vector
 from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, Array
 from ropewalk.results.hanging import payload_summary
 from ropewalk.results.joint_statistics import joint_summary
@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 BLOCK_BYTES = 64e6  # a large result is read in pieces of this size
-
-Summary = dict[str, Any]
 
 
 def summary(dataset: xr.Dataset, only: Collection[str] | None = None) -> Summary:

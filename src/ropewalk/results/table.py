@@ -7,14 +7,11 @@ from functools import partial
 from typing import Any
 
 from ropewalk.results.after_start import rows_after_start
-from ropewalk.results.display_units import NOTHING, Column, DisplayUnit, DisplayUnits, number, quantities
+from ropewalk.results.display_units import NOTHING, Column, DisplayUnit, DisplayUnits, Row, number, quantities
 from ropewalk.results.dropper_lengths import length_rows
+from ropewalk.results.extremes import Summary
 from ropewalk.results.joint_statistics import joint_rows
 from ropewalk.results.own_way import place_rows
-from ropewalk.results.statistics import Summary
-
-Row = tuple[str, str, str]
-"""What, how much, where and when."""
 
 SUPPORTS, LARGEST = 8, 3  # with more supports than this only so many of them get a row
 ROUND_OFF = 1e-9  # m: what is no further aside has not left its plane, what is lifted no higher is at rest
