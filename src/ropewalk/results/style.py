@@ -21,8 +21,9 @@ if TYPE_CHECKING:
     from matplotlib.legend import Legend
 
 # Okabe and Ito (2008), https://jfly.uni-koeln.de/color/, without the yellow that vanishes on white
-BLUE, ORANGE, GREEN, RED, PURPLE, SKY, BLACK = "#0072B2 #E69F00 #009E73 #D55E00 #CC79A7 #56B4E9 #222222".split()
-CYCLE = (BLUE, RED, GREEN, ORANGE, PURPLE, SKY, BLACK)
+CYCLE = BLUE, RED, GREEN, ORANGE, PURPLE, SKY, BLACK = (
+    "#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9", "#222222"
+)  # fmt: skip
 LOAD = RED
 INSTANTS = "viridis"  # early to late
 TENSION = "plasma"  # low to high
