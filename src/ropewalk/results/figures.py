@@ -16,7 +16,7 @@ from ropewalk.results.audit import AUDIT
 from ropewalk.results.axis_units import displayed_size, show_units
 from ropewalk.results.contact_figure import FORCE, Collection, is_of_overhead_line
 from ropewalk.results.contract import path_name
-from ropewalk.results.display_units import DisplayUnits
+from ropewalk.results.display_units import NOTHING, DisplayUnits
 from ropewalk.results.files import ResultError
 from ropewalk.results.frame import Array
 from ropewalk.results.nets import is_spatial
@@ -30,7 +30,7 @@ from ropewalk.results.response_views import (
 from ropewalk.results.scene import is_long, space
 from ropewalk.results.shape_views import plan
 from ropewalk.results.style import Page
-from ropewalk.results.table import NOTHING, ROUND_OFF
+from ropewalk.results.table import ROUND_OFF
 from ropewalk.results.trains import grouped_contacts
 from ropewalk.results.views import VIEWS, any_of, headline
 
