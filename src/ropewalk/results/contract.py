@@ -123,7 +123,7 @@ COORDINATES: Mapping[str, ResultVariable] = _variables(
     watched=("watched", "1", "point of a line with sampled height"),
     watched_station=("watched", "m", "position of the watched point along its line"),
     sample=("sample", "s", "time of the sample after the output instant (negative: before it)"),
-    foreign=("foreign", "1", "load that is an external model"),
+    **{"foreign": ("foreign", "1", "load that is an external model")},  # a name that results have
     compared=("compared", "1", "load of the contact that is compared with that on a coarser mesh"),
     hauled=("hauled", "1", "carriage on a hauling rope"),
     rope_end=("rope_end", "1", "end of a rope: at the carriage, at the drive, of the counter rope, beyond the drive"),
