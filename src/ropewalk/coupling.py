@@ -16,8 +16,9 @@ from ropewalk.model.run import Dynamic, Equilibrium
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.contract import doubts_of
 from ropewalk.results.display_units import number
+from ropewalk.results.extremes import Summary
 from ropewalk.results.nets import net_names
-from ropewalk.results.statistics import Summary, lines, summary
+from ropewalk.results.statistics import lines, summary
 from ropewalk.simulate import simulate
 from ropewalk.solve.start import setting_of
 

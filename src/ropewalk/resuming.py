@@ -22,11 +22,9 @@ from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.run import Dynamic, every_of
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.contract import CONVENTIONS, LACKING
-from ropewalk.results.files import ResultError, open_result
+from ropewalk.results.files import ResultError, alone, open_result
 from ropewalk.results.frame import Array, RunInfo
-from ropewalk.results.past import Past
-from ropewalk.results.slots import digests
-from ropewalk.results.target import alone
+from ropewalk.results.slots import Past, digests
 from ropewalk.scenario import loads
 from ropewalk.simulate import Clock, output_times, record, run_of
 

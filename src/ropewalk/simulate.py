@@ -35,7 +35,7 @@ from ropewalk.model.train import Train
 from ropewalk.results.files import open_result
 from ropewalk.results.frame import SPLINE, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
-from ropewalk.results.running import Known, MotionEngine, Run, StaticEngine, Statics, TimeHistory, followed
+from ropewalk.results.running import Known, MotionEngine, Run, StaticEngine, TimeHistory, followed
 from ropewalk.solve.load_schedule import horizon
 from ropewalk.start_positions import located
 
@@ -76,8 +76,8 @@ def simulate(
         ScenarioError: the run would replace the result that it starts from.
         RopewalkError: the scenario has no rest shape to start from, or the file cannot be written.
     """
+    from ropewalk.results.files import check_own, check_target
     from ropewalk.results.recorder import Recorder
-    from ropewalk.results.target import check_own, check_target
 
     if file is not None:
         check_target(file)  # before anything is computed
@@ -245,9 +245,9 @@ def _ready(scenario: Scenario, run_info: RunInfo, times: Array | None, past: Tre
         return _linear(scenario, run, run_info)
     still = _still(scenario, run_info)
     if isinstance(run, Quasistatic):
-        return Statics(still.layout, followed(still.slowly(run.positions, run.turn), run_info), run.positions)
+        return Known.one_by_one(still.layout, followed(still.slowly(run.positions, run.turn), run_info), run.positions)
     assert isinstance(run, Equilibrium)
-    return Statics(still.layout, iter([still.loaded()]), 1)
+    return Known.one_by_one(still.layout, iter([still.loaded()]), 1)
 
 
 def _formed(scenario: Scenario) -> Scenario:
@@ -325,7 +325,7 @@ def _linear(scenario: Scenario, run: Linear, run_info: RunInfo) -> Run:
         from ropewalk.system.small_motion.superposed import Superposed  # lazy: most runs do not need it
 
         superposed = Superposed(scenario, run, times, run_info)
-        return Statics(superposed.layout, superposed.frames(), times.size)
+        return Known.one_by_one(superposed.layout, superposed.frames(), times.size)
     from ropewalk.chains.frames import layout_of
     from ropewalk.linear.frames import frames  # lazy: the closed forms take a while to import
     from ropewalk.solve.start import setting_of

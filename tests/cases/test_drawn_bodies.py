@@ -7,9 +7,9 @@ import pytest
 
 import ropewalk
 from ropewalk.results import figure
+from ropewalk.results.declared import hanging_bodies
 from ropewalk.results.stage import Stage
 from ropewalk.results.tempo import tempo
-from ropewalk.results.ties import hanging_bodies
 from ropewalk.scenario import loads
 
 DECK = """

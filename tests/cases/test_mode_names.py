@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 import ropewalk
 from ropewalk.cli.app import app
-from ropewalk.results.mode_names import Modes, mode_names
+from ropewalk.results.spectrum import Modes, mode_names
 from ropewalk.scenario import loads
 
 BEAM = """

@@ -52,7 +52,7 @@ def x_of(result: xr.Dataset, axis: int = 0) -> float:
 
 def test_a_start_along_the_line_is_compared_with_x_and_both_remedies_work() -> None:
     text = next(text for text in str(simulate(load(FILE)).warnings).splitlines() if WARNING in text)
-    assert text.startswith("load person stands at x = 51.48 m")
+    assert text.startswith("load person starts at x = 51.48 m")
     assert "loads.person.travel.from: 47.5 m" in text
     assert "write from: {x: 47.5 m} to begin there, or from: middle" in text
     for start in ("{x: 47.5 m}", "middle"):

@@ -9,9 +9,9 @@ import pytest
 import travelling_wave as wave
 
 from ropewalk.results import Recorder, figure, single, summary, text
+from ropewalk.results.declared import tied, ties
 from ropewalk.results.stage import Stage
 from ropewalk.results.tempo import tempo
-from ropewalk.results.ties import tied, ties
 
 TIMES = 0.1 * np.arange(11)
 

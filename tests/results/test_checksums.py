@@ -13,7 +13,7 @@ from travelling_wave import frames, layout, run_info, scenario
 
 from ropewalk.results import ResultError, open_result
 from ropewalk.results.checksums import CHECKED, FRAMES, HEAD, NONE, CutShortError, check_whole, head_of
-from ropewalk.results.past import Past
+from ropewalk.results.slots import Past
 
 PATIENCE = 5.0  # s, in which a damage must be told
 

@@ -14,7 +14,7 @@ import xarray as xr
 
 from ropewalk.mechanics.chain import Array
 from ropewalk.model import Scenario
-from ropewalk.results.drawn import drawn_position
+from ropewalk.results.picture import drawn_position
 from ropewalk.simulate import simulate
 
 ROPE = {"start": [0, 0], "end": [20, 0], "length": 20.3, "mass": 1e-3, "axial_stiffness": 1e5, "elements": 20}

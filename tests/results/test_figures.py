@@ -15,9 +15,9 @@ from ropewalk.cli.app import app
 from ropewalk.errors import Refused
 from ropewalk.results import DisplayUnits, ResultError, figure, figure_data, film
 from ropewalk.results.figures import panels_of
-from ropewalk.results.meter import Meter
-from ropewalk.results.page import Page
+from ropewalk.results.film_panels import Meter
 from ropewalk.results.stage import Stage
+from ropewalk.results.style import Page
 from ropewalk.results.tempo import tempo
 
 

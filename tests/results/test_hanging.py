@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from ropewalk.model import Scenario
+from ropewalk.results.frame import RunInfo
 from ropewalk.results.hanging import HangingWatch
 from ropewalk.simulate import simulate
 
@@ -48,4 +49,4 @@ def test_it_is_told_of_what_stands_out(stretch: list[float], count: int) -> None
     )
     watch = HangingWatch(cast(Any, layout), scenario)
     watch.see(cast(Any, frames))
-    assert len(list(watch.messages())) == count
+    assert len(list(watch.messages(RunInfo()))) == count

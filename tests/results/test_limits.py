@@ -12,8 +12,8 @@ import pytest
 from ropewalk.errors import ScenarioError
 from ropewalk.model import Limits
 from ropewalk.results import html_report, named_numbers, summary, text
+from ropewalk.results.acceptance import FAIL, PASS, UNKNOWN, Judgement, arcing_share, judged, maximum_force, mean_range
 from ropewalk.results.contact_statistics import ContactStatistics, contact_statistics
-from ropewalk.results.limits import FAIL, PASS, UNKNOWN, Judgement, arcing_share, judged, maximum_force, mean_range
 from ropewalk.scenario import loads
 from ropewalk.simulate import simulate
 from ropewalk.sweeps.quantities import broken_limits

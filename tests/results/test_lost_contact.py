@@ -11,6 +11,7 @@ import pytest
 
 from ropewalk.model import Scenario
 from ropewalk.results import summary
+from ropewalk.results.frame import RunInfo
 from ropewalk.results.lost_contact import LostContactWatch
 from ropewalk.results.table import rows
 from ropewalk.simulate import simulate
@@ -30,7 +31,7 @@ def remarked(force: list[float], hold: float = 0.0, gravity: float = 9.81, **loa
     for part in (slice(0, 2), slice(2, None)):  # in two blocks
         of = {"contact_force": vectors[part], "hold_force": np.full_like(vectors[part], hold)}
         watch.see(cast(Any, SimpleNamespace(of=of, path=path[part])))
-    return list(watch.messages())
+    return list(watch.messages(RunInfo()))
 
 
 def test_who_pulls_is_named_with_when_and_how_much() -> None:

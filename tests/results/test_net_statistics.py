@@ -9,7 +9,7 @@ import pytest
 import spatial_cases as cases
 
 from ropewalk.results import html_report, statistics, summary, text
-from ropewalk.results.net_statistics import depth_below
+from ropewalk.results.nets import depth_below
 from ropewalk.results.sag import sideways
 
 

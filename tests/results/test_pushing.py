@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from ropewalk.model import Scenario
+from ropewalk.results.frame import RunInfo
 from ropewalk.results.pushing import PushWatch
 
 ROPE = {"start": [0, 0], "end": [10, 0], "length": 10.5, "mass": 0.1, "axial_stiffness": 5e4, "axial_damping": 50.0}
@@ -23,7 +24,7 @@ def remarked(tension: list[list[float]], **keys: Any) -> list[str]:
     watch = PushWatch(cast(Any, layout), scenario)
     for i, row in enumerate(tension):
         watch.see(cast(Any, SimpleNamespace(of={"tension": np.array([row])}, path=np.array([0.01 * i]))))
-    return list(watch.messages())
+    return list(watch.messages(RunInfo()))
 
 
 def test_the_line_that_pushes_most_is_named_with_its_force_and_when() -> None:

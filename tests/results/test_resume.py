@@ -24,7 +24,7 @@ from ropewalk.cli.app import app
 from ropewalk.model import Scenario
 from ropewalk.results import ResultError, frames, open_result, recorder, slots
 from ropewalk.results.checksums import CHECKED, FRAMES, HEAD, NONE
-from ropewalk.results.past import Past
+from ropewalk.results.slots import Past
 from ropewalk.simulate import output_times
 
 SPENT = ("cpu_seconds", "wall_seconds", "compile_seconds")

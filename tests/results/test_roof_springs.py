@@ -8,7 +8,7 @@ import pytest
 
 from ropewalk.model import Scenario
 from ropewalk.model.pantographs import PUBLISHED
-from ropewalk.results.roof_springs import stiff_below
+from ropewalk.results.scenario_warnings import stiff_below
 
 WIRE = {"mass": 1.0, "tension": 2e4}
 LINE: dict[str, Any] = {

@@ -12,8 +12,8 @@ from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
 from ropewalk.results import figure, single
 from ropewalk.results.figures import panels_of
+from ropewalk.results.scene import MESH, space
 from ropewalk.results.shape_views import CELLS, Chosen, shading
-from ropewalk.results.space_figure import MESH, space
 
 FEW = np.linspace(0.0, 2.0, 5)
 

@@ -8,7 +8,7 @@ import spatial_cases as cases
 from matplotlib.markers import CARETUP
 from PIL import Image
 
-from ropewalk.results import film, film_arrays
+from ropewalk.results import film, film_panels
 from ropewalk.results.stage import Stage
 from ropewalk.results.tempo import tempo
 
@@ -94,8 +94,8 @@ def test_a_load_off_the_line_is_not_drawn_and_no_fault():
 
 
 def test_a_fine_net_is_filmed_coarser_and_needs_few_nodes(monkeypatch):
-    monkeypatch.setattr(film_arrays, "CELLS", 100)
-    monkeypatch.setattr(film_arrays, "TOGETHER", 900)  # read in several parts
+    monkeypatch.setattr(film_panels, "CELLS", 100)
+    monkeypatch.setattr(film_panels, "TOGETHER", 900)  # read in several parts
     fine = cases.net(times=FEW, side=21)
     displayed = stage(fine)
     displayed.picture(1)

@@ -13,8 +13,7 @@ from travelling_wave import frames, layout, run_info, scenario
 from ropewalk.errors import RopewalkError, ScenarioError
 from ropewalk.model import Scenario
 from ropewalk.results import Recorder, ResultError, check_target, open_result
-from ropewalk.results.files import beside
-from ropewalk.results.target import alone, check_own
+from ropewalk.results.files import alone, beside, check_own
 from ropewalk.simulate import simulate
 from ropewalk.studio.folder import Folder, OutsideError, check_inside
 from ropewalk.sweeps.writing import check_outputs
@@ -22,7 +21,7 @@ from ropewalk.sweeps.writing import check_outputs
 HOLDS = """
 import sys, time
 from pathlib import Path
-from ropewalk.results.target import alone
+from ropewalk.results.files import alone
 with alone(Path(sys.argv[1])):
     print("mine", flush=True)
     time.sleep(60)

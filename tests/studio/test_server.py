@@ -18,8 +18,8 @@ import pytest
 
 import ropewalk
 from ropewalk.errors import RopewalkError
-from ropewalk.results.drawn import drawn_position
 from ropewalk.results.frame import Doubt
+from ropewalk.results.picture import drawn_position
 from ropewalk.scenario import ScenarioError, loads
 from ropewalk.studio.folder import check_inside
 from ropewalk.studio.streams import remark_of

@@ -15,7 +15,7 @@ import xarray as xr
 
 import ropewalk
 from ropewalk.errors import RopewalkError
-from ropewalk.results.drawn import drawn_position
+from ropewalk.results.picture import drawn_position
 from ropewalk.scenario import loads
 from ropewalk.studio import widget
 from ropewalk.studio.share import PAGE

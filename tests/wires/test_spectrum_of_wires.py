@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ropewalk.model import Scenario
-from ropewalk.results.mode_figure import mode_figure
+from ropewalk.results.spectrum_figure import mode_figure
 from ropewalk.simulate import spectrum_of
 from ropewalk.solve.spectrum import Modes
 from ropewalk.theory import beam

@@ -308,7 +308,7 @@ def spectrum(
         else:
             print_columns([*found.table()])
         for picture in output or []:
-            save_figure(import_module("ropewalk.results.mode_figure").mode_figure(found), picture)
+            save_figure(import_module("ropewalk.results.spectrum_figure").mode_figure(found), picture)
             say(f"{picture} written")
 
 

@@ -16,7 +16,8 @@ from ropewalk.model.overhead import CONTACT_WIRE
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.contract import path_name
 from ropewalk.results.display_units import number
-from ropewalk.results.statistics import Summary, lines
+from ropewalk.results.extremes import Summary
+from ropewalk.results.statistics import lines
 
 if TYPE_CHECKING:
     import xarray as xr

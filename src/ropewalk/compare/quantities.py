@@ -13,8 +13,9 @@ from ropewalk.compare.trace import Difference, Level, Trace, difference
 from ropewalk.coupling import largest
 from ropewalk.mechanics.chain import Array
 from ropewalk.results.contract import path_name
+from ropewalk.results.extremes import Summary
 from ropewalk.results.nets import net_names
-from ropewalk.results.statistics import Summary, lines
+from ropewalk.results.statistics import lines
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -14,7 +14,7 @@ from ropewalk.compare.trace import Difference, Trace
 from ropewalk.compare.verdict import is_adequate, places, recommendation, sentence
 from ropewalk.coupling import percent
 from ropewalk.results.display_units import number
-from ropewalk.results.statistics import Summary
+from ropewalk.results.extremes import Summary
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -10,7 +10,7 @@ from ropewalk.compare.trace import Difference
 from ropewalk.coupling import percent
 from ropewalk.mechanics.chain import Array
 from ropewalk.results.display_units import number
-from ropewalk.results.statistics import Summary
+from ropewalk.results.extremes import Summary
 
 # Curves that cross agree for a moment, which means nothing: good stretches shorter than this part of the way between
 # bad ones are none.

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ropewalk.results.display_units import DisplayUnits
     from ropewalk.results.extrapolation import extrapolated
     from ropewalk.results.figures import figure, figure_data, single
-    from ropewalk.results.files import ResultError, WriteError, open_result
+    from ropewalk.results.files import ResultError, WriteError, check_target, open_result
     from ropewalk.results.frame import ENERGY_FORMS, Frame, Layout, RunInfo
     from ropewalk.results.recorder import Recorder
     from ropewalk.results.report import html_report
@@ -28,37 +28,24 @@ if TYPE_CHECKING:
         tables,
         write_tables,
     )
-    from ropewalk.results.target import check_target
     from ropewalk.results.vtk_export import export
 
-_HOME = {
-    "RunInfo": "frame",
-    "DisplayUnits": "display_units",
-    "ENERGY_FORMS": "frame",
-    "Frame": "frame",
-    "Layout": "frame",
-    "Recorder": "recorder",
-    "ResultError": "files",
-    "WriteError": "files",
-    "check_target": "target",
-    "export": "vtk_export",
-    "extrapolated": "extrapolation",
-    "figure": "figures",
-    "figure_data": "figures",
-    "film": "animation",
-    "html_report": "report",
-    "links": "contract",
-    "named_numbers": "table_export",
-    "named_texts": "table_export",
-    "open_result": "files",
-    "save_tables": "table_export",
-    "series_table": "table_export",
-    "single": "figures",
-    "summary": "statistics",
-    "tables": "table_export",
-    "text": "table",
-    "write_tables": "table_export",
+_NAMES = {
+    "animation": "film",
+    "contract": "links",
+    "display_units": "DisplayUnits",
+    "extrapolation": "extrapolated",
+    "figures": "figure figure_data single",
+    "files": "ResultError WriteError check_target open_result",
+    "frame": "ENERGY_FORMS Frame Layout RunInfo",
+    "recorder": "Recorder",
+    "report": "html_report",
+    "statistics": "summary",
+    "table": "text",
+    "table_export": "named_numbers named_texts save_tables series_table tables write_tables",
+    "vtk_export": "export",
 }
+_HOME = {name: module for module, names in _NAMES.items() for name in names.split()}
 
 __all__ = [
     "ENERGY_FORMS",

@@ -17,7 +17,8 @@ import numpy as np
 
 from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contract import path_name
-from ropewalk.results.display_units import number
+from ropewalk.results.display_units import Row, number
+from ropewalk.results.extremes import Summary
 from ropewalk.results.frame import OFF_LINE, Array
 from ropewalk.results.lifted_rope import is_touched
 
@@ -35,8 +36,6 @@ PARTS = ("largest_tension", "smallest_tension", "largest_strain", "smallest_stra
 _MARGIN = 1.1  # the first mode is the fastest of those that disperse, and a wave has a width
 _BY_THEMSELVES = ("pantograph",)  # loads that are not set down: their forces grow from nothing
 
-Summary = dict[str, Any]
-Row = tuple[str, str, str]
 _WHEN = re.compile(r"t = \S+ s")
 
 

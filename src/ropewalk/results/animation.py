@@ -15,8 +15,8 @@ from ropewalk.results.contact_figure import is_of_overhead_line
 from ropewalk.results.contract import path_name
 from ropewalk.results.display_units import DisplayUnits
 from ropewalk.results.files import ResultError
-from ropewalk.results.page import INCHES, read_size
 from ropewalk.results.stage import DPI, WIDTH, Stage
+from ropewalk.results.style import INCHES, read_size
 from ropewalk.results.tempo import FRAMES, FRAMES_FOLLOWING, tempo
 
 if TYPE_CHECKING:

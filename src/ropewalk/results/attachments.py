@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 from ropewalk.model.joint import Joined
 from ropewalk.model.load import Rolling
 from ropewalk.model.travel import FreeTravel
-from ropewalk.results.frame import MOVES, OFF_LINE, Array, Doubt, Integers, Layout
+from ropewalk.results.frame import MOVES, OFF_LINE, Array, Doubt, Integers
 from ropewalk.results.frames import Frames
+from ropewalk.results.watch import Watch
 
 if TYPE_CHECKING:
-    from ropewalk.model import Scenario
     from ropewalk.model.load import AnyLoad
 
 _RESOLVED = 10  # output instants near an attachment, from which on they show its peak
@@ -45,21 +45,15 @@ class _Attachment(NamedTuple):
     reach: float  # m, length of a link
 
 
-class AttachmentWatch:
-    """Watches bodies for peaks of their driving force near attachments, and for too much friction at them.
+class AttachmentWatch(Watch):
+    """Watches bodies for peaks of their driving force near attachments, and for too much friction at them."""
 
-    Args:
-        layout: of the frames.
-        scenario: the scenario.
-    """
-
-    def __init__(self, layout: Layout, scenario: Scenario) -> None:
-        self._layout, self._scenario = layout, scenario
-        self._loads = [name.partition(".")[0] for name in layout.contact_load]
+    def _prepare(self) -> None:
+        scenario = self.scenario
         moves = scenario.run.kind == "dynamic" and scenario.run.geometry == "nonlinear"
         self._points = {
             k: points
-            for k, name in enumerate(self._loads)
+            for k, name in enumerate(self.loads)
             if moves and (points := self._attachments_below(scenario.loads.get(name)))
         }  # fmt: skip
         self._crossed = dict[tuple[int, int], tuple[float, float]]()  # smallest and largest distance, m
@@ -69,13 +63,13 @@ class AttachmentWatch:
 
     def _attachments_below(self, load: AnyLoad | None) -> list[_Attachment]:
         """Attachments of the line of a body; of ropes only."""
-        line = None if load is None else self._scenario.lines.get(load.on)
+        line = None if load is None else self.scenario.lines.get(load.on)
         if line is None or line.has_bending_stiffness or not isinstance(load, Rolling):
             return []
         reach = (line.length or line.distance) / line.elements
         found = [_Attachment(f"inner support {name}", each.at, reach) for name, each in line.supports.items()]
-        rows = {name: each for row in self._scenario.hangers for name, each in self._scenario.hung(row).items()}
-        for name, other in (self._scenario.lines | rows).items():
+        rows = {name: each for row in self.scenario.hangers for name, each in self.scenario.hung(row).items()}
+        for name, other in (self.scenario.lines | rows).items():
             for end in (other.start_support, other.end_support):
                 if isinstance(end, Joined) and end.to == load.on and isinstance(end.at, float):
                     found.append(_Attachment(f"joined line {name}", end.at, reach))
@@ -83,7 +77,7 @@ class AttachmentWatch:
 
     def _load(self, k: int) -> Any:
         """The load of contact `k`, which has a travel."""
-        return self._scenario.loads[self._loads[k]]
+        return self.scenario.loads[self.loads[k]]
 
     def see(self, frames: Frames) -> None:
         """Take note of frames."""
@@ -134,7 +128,7 @@ class AttachmentWatch:
             found |= np.abs(xi - point.xi) < (_CLOSE if free else 1.0) * point.reach
         return found
 
-    def doubts(self, force: Array) -> Iterator[Doubt]:
+    def findings(self, force: Array) -> Iterator[Doubt]:
         """Find the loads whose driving force has a peak at an attachment, or that slide at one.
 
         Args:
@@ -142,7 +136,7 @@ class AttachmentWatch:
         """
         reported = set[str]()
         for (k, p), (low, high) in self._crossed.items():
-            name = self._loads[k]
+            name = self.loads[k]
             free = isinstance(self._load(k).travel, FreeTravel)
             crosses = low <= 0.0 <= high and high - low > _AT * self._points[k][p].reach
             found = self._sliding(k, p) if free else self._crossing(k, p, force) if crosses else None
@@ -156,24 +150,24 @@ class AttachmentWatch:
         most, when = self._slid[k, p][2:]
         load, point = self._load(k), self._points[k][p]
         what = (
-            f"load {self._layout.contact_load[k]} slides at {point.name} of line {load.on}, xi = {point.xi:.4g} m: "
+            f"load {self.layout.contact_load[k]} slides at {point.name} of line {load.on}, xi = {point.xi:.4g} m: "
             f"its tensions need a friction coefficient of {most:.3g} at t = {when:.4g} s (travel.friction is "
             f"{load.travel.friction:.3g})"
         )
         cause = "a body that slides over an attachment of a rope gains energy there"
-        return Doubt(what, cause, f"loads.{self._loads[k]}.travel", self.remedy_for(k))
+        return Doubt(what, cause, f"loads.{self.loads[k]}.travel", self.remedy_for(k))
 
     def _crossing(self, k: int, p: int, force: Array) -> Doubt | None:
         load, point = self._load(k), self._points[k][p]
         typical, whole = _typical(force[:, k]), sum(
-            _typical(force[:, j]) for j, name in enumerate(self._loads) if name == self._loads[k]
+            _typical(force[:, j]) for j, name in enumerate(self.loads) if name == self.loads[k]
         )  # fmt: skip
         drive, contact, when = self._peak.get((k, p), (0.0, 0.0, 0.0))
         horizontal = load.travel.measured == "horizontal"
         peaks = drive > (_CLEARLY * whole if horizontal else typical) or contact > _TIMES * whole
         if not peaks and (horizontal or self._frames[k, p] >= _RESOLVED):
             return None
-        what = f"load {self._layout.contact_load[k]} crosses {point.name} of line {load.on} at xi = {point.xi:.4g} m"
+        what = f"load {self.layout.contact_load[k]} crosses {point.name} of line {load.on} at xi = {point.xi:.4g} m"
         if drive > typical:
             what += (
                 f" with a driving force of {drive:.4g} N at t = {when:.4g} s (typical contact force {typical:.4g} N)"
@@ -182,7 +176,7 @@ class AttachmentWatch:
             f"travel is prescribed as {load.travel.measured} over a point where the rope cannot move along itself, "
             "so that the peak of the driving force depends on the mesh"
         )
-        return Doubt(what, cause, f"loads.{self._loads[k]}.travel", self.remedy_for(k))
+        return Doubt(what, cause, f"loads.{self.loads[k]}.travel", self.remedy_for(k))
 
     def remedy_for(self, k: int) -> str:
         """Return the changes that make contact `k` right at attachments, without those that its load has already."""
@@ -194,7 +188,7 @@ class AttachmentWatch:
         wheels = getattr(load, "wheels", {}).values()
         soft = any(getattr(each, "contact_stiffness", None) is not None for each in (load, *wheels))
         free = f"write {_DRIVER}" if load.kind in _MAY_BE_FREE else ""
-        line, horizontal = self._scenario.lines[load.on], load.travel.measured == "horizontal"
+        line, horizontal = self.scenario.lines[load.on], load.travel.measured == "horizontal"
         if not horizontal and line.start[0] != line.end[0]:
             more = " and leave contact_stiffness out" if soft else ""
             if line.end[0] < line.start[0]:

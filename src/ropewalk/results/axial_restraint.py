@@ -12,8 +12,9 @@ import numpy as np
 from ropewalk.model.joint import Joined
 from ropewalk.model.line import Line, spatial
 from ropewalk.model.support import Fixed, Guided
-from ropewalk.results.frame import Layout
+from ropewalk.results.frame import RunInfo
 from ropewalk.results.frames import Frames
+from ropewalk.results.watch import Watch
 
 if TYPE_CHECKING:
     from ropewalk.model import Scenario
@@ -23,22 +24,14 @@ _STRAIGHT = 1e-6  # relative difference of length and distance, beyond which ten
 _ACROSS = 0.1  # cosine between rail and chord, below which a guided support holds along the chord
 
 
-class AxialRestraintWatch:
-    """Watches beams without a prescribed tension for the axial force that their supports cause.
+class AxialRestraintWatch(Watch):
+    """Watches beams without a prescribed tension for the axial force that their supports cause."""
 
-    Args:
-        layout: of the frames.
-        scenario: the scenario.
-    """
-
-    def __init__(self, layout: Layout, scenario: Scenario) -> None:
-        self._layout, self._scenario = layout, scenario
-        of_link, loaded = np.array(layout.link_line), {load.on for load in scenario.loads.values()}
-        beams = {name: line for name, line in scenario.lines.items() if _is_untensioned(line)}
+    def _prepare(self) -> None:
+        loaded = {load.on for load in self.scenario.loads.values()}
+        beams = {name: line for name, line in self.scenario.lines.items() if _is_untensioned(line)}
         self._links = {  # what is joined and bears no load is a strut, with an axial force from elsewhere
-            name: np.flatnonzero(of_link == name)
-            for name, line in beams.items()
-            if name in loaded or not line.is_joined
+            name: self.links_of(name) for name, line in beams.items() if name in loaded or not line.is_joined
         }
         self._most = dict[str, tuple[float, float, float]]()  # share of bending, N, path
 
@@ -49,21 +42,20 @@ class AxialRestraintWatch:
                 continue
             pull = np.nan_to_num(frames.of["tension"][:, links]).mean(axis=1)
             i = int(pull.argmax())
-            found = float(pull[i]) / _bending(self._scenario.lines[name]), float(pull[i]), float(frames.path[i])
+            found = float(pull[i]) / _bending(self.scenario.lines[name]), float(pull[i]), float(frames.path[i])
             self._most[name] = max(self._most.get(name, found), found)
 
-    def messages(self) -> Iterator[str]:
+    def messages(self, run_info: RunInfo) -> Iterator[str]:
         """Yield a warning for each beam whose axial force bears much."""
-        when, unit = ("t =", "s") if self._layout.path == "time" else ("load path", "m")
         for name, (share, pull, path) in self._most.items():
-            holders = list(_holders(self._scenario, name))
+            holders = list(_holders(self.scenario, name))
             if share <= _MUCH or len(holders) < 2:
                 continue
             yield (
                 f"beam {name} is held along its axis by {', '.join(key for key, _ in holders)}: as it deflects, an "
-                f"axial force of up to {pull:.4g} N arises ({when} {path:.4g} {unit}) and carries "
-                f"{100.0 * share:.3g} % "
-                f"of the load that its bending stiffness carries; {_remedy(self._scenario.lines[name], holders)}"
+                f"axial force of up to {pull:.4g} N arises ({self.at(path)}) and carries "
+                f"{100.0 * share:.3g} % of the load that its bending stiffness carries; "
+                f"{_remedy(self.scenario.lines[name], holders)}"
             )
 
 

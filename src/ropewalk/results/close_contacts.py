@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from ropewalk.results.frame import MOVES, STICKS, Array, Doubt, Layout, RunInfo
+from ropewalk.results.frame import MOVES, STICKS, Array, Doubt, RunInfo
 from ropewalk.results.frames import Frames
-
-if TYPE_CHECKING:
-    from ropewalk.model import Scenario
+from ropewalk.results.watch import Watch
 
 _MUCH = 0.02  # force over tension and EI/h^2: the angle in rad by which the line turns there; below, nobody sees it
 _FINE = 120  # links of a line, from which on the deflection under two halves of a load is wrong by less than 1 %
@@ -28,17 +26,11 @@ class _Pair(NamedTuple):
     second: str
 
 
-class CloseContactsWatch:
-    """Watches lines with contacts on splines for neighbours that are closer than a link.
+class CloseContactsWatch(Watch):
+    """Watches lines with contacts on splines for neighbours that are closer than a link."""
 
-    Args:
-        layout: of the frames.
-        scenario: the scenario.
-    """
-
-    def __init__(self, layout: Layout, scenario: Scenario) -> None:
-        self._layout, self._scenario = layout, scenario
-        loads = [scenario.loads.get(name.partition(".")[0]) for name in layout.contact_load]
+    def _prepare(self) -> None:
+        scenario, loads = self.scenario, [self.scenario.loads.get(name) for name in self.loads]
         on = [load.on if load is not None and not getattr(load, "also_on", ()) else "" for load in loads]
         moves = scenario.run.kind in ("dynamic", "linear")  # ropes in equilibrium have a node at each load
         self._contacts = {
@@ -62,42 +54,41 @@ class CloseContactsWatch:
             angle = np.where(gap < self._link(name), np.nan_to_num(np.minimum(angle[:, :-1], angle[:, 1:])), 0.0)
             i, k = np.unravel_index(int(angle.argmax()), angle.shape)
             if angle[i, k] > self._worst.get(name, (0.0,))[0]:
-                pair = (self._layout.contact_load[own[order[i, k + side]]] for side in (0, 1))
+                pair = (self.layout.contact_load[own[order[i, k + side]]] for side in (0, 1))
                 self._worst[name] = _Pair(float(angle[i, k]), float(gap[i, k]), float(frames.path[i]), *pair)
 
     def _link(self, name: str) -> float:
         """Return the length of a link, m."""
-        own: Array = np.array(self._layout.node_xi)[np.array(self._layout.node_line) == name]
+        own: Array = np.array(self.layout.node_xi)[self.nodes_of(name)]
         return float(own.max() - own.min()) / max(int(own.size) - 1, 1) * (1.0 - 1e-9)
 
     def _bearing(self, name: str, pull: Array) -> Array:
         """Return tension and bending stiffness over the square of a link, N, which bear a force on a link."""
         return np.maximum(
-            np.maximum(pull, 0.0) + self._scenario.lines[name].bending_stiffness / self._link(name) ** 2, 1e-9
+            np.maximum(pull, 0.0) + self.scenario.lines[name].bending_stiffness / self._link(name) ** 2, 1e-9
         )
 
     def doubts(self, run_info: RunInfo) -> Iterator[Doubt]:
         """Yield a doubt for each inextensible line, whose tension depends on these bends alone."""
         for name, (what, remedy) in self._found(run_info):
-            if self._scenario.lines[name].law.kind == "inextensible":
+            if self.scenario.lines[name].law.kind == "inextensible":
                 yield Doubt(what, "each of them bends the line independently", f"lines.{name}.elements", remedy)
 
     def messages(self, run_info: RunInfo) -> Iterator[str]:
         """Yield a warning for each other line."""
         for name, (what, remedy) in self._found(run_info):
-            if self._scenario.lines[name].law.kind != "inextensible":
+            if self.scenario.lines[name].law.kind != "inextensible":
                 yield f"{what}: each of them bends the line independently, which makes it too stiff; {remedy}"
 
     def _found(self, run_info: RunInfo) -> Iterator[tuple[str, tuple[str, str]]]:
         """Yield lines, and for each what is wrong and the remedy."""
-        when, unit = ("t =", "s") if self._layout.path == "time" else ("load path", "m")
         for name, pair in self._worst.items():
-            link, count = self._link(name), self._layout.link_line.count(name)
-            coarse = count < _FINE or self._scenario.lines[name].law.kind == "inextensible"
+            link, count = self._link(name), self.layout.link_line.count(name)
+            coarse = count < _FINE or self.scenario.lines[name].law.kind == "inextensible"
             if pair.angle <= _MUCH or not coarse or not run_info.on_splines:
                 continue
             what = (
-                f"contacts {pair.first} and {pair.second} are {pair.gap:.3g} m apart at {when} {pair.path:.4g} {unit}, "
+                f"contacts {pair.first} and {pair.second} are {pair.gap:.3g} m apart at {self.at(pair.path)}, "
                 f"closer than a link of {name} ({link:.3g} m)"
             )
             links = math.ceil(count * link / max(pair.gap, 1e-12))

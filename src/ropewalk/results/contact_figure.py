@@ -15,6 +15,7 @@ from matplotlib.ticker import PercentFormatter
 
 from ropewalk.model.overlap import analysed_of, course_of, reach_of
 from ropewalk.results import style
+from ropewalk.results.acceptance import FAIL, Judgement
 from ropewalk.results.contact_statistics import (
     BETWEEN,
     CUTOFF,
@@ -32,7 +33,6 @@ from ropewalk.results.contact_statistics import (
 from ropewalk.results.contact_summary import limits_of
 from ropewalk.results.course import courses, on_lines, on_strips, transitions
 from ropewalk.results.frame import Array
-from ropewalk.results.limits import FAIL, Judgement
 from ropewalk.results.shape_views import bar
 from ropewalk.results.table import ROUND_OFF
 
@@ -218,23 +218,15 @@ def _height(ax: Axes, histories: Sequence[_LoadHistory], lines: dict[str, LineSt
     for i, history in enumerate(histories):
         some = style.thinned(history.station.size, POINTS)
         label = "contact" if len(histories) == 1 else f"contact of {history.name}"
-        drawn: dict[str, Any] = {
-            "color": history.colour,
-            "linewidth": style.LINE,
-            **style.marks(i, len(histories), some.size),
-        }
-        ax.plot(history.station[some], history.height[some] - level, **drawn, label=label)
+        drawn: dict[str, Any] = {"linewidth": style.LINE, **style.marks(i, len(histories), some.size), "label": label}
+        ax.plot(history.station[some], history.height[some] - level, color=history.colour, **drawn)
     supports = [support for found in lines.values() for support in found.supports.values()]
     if supports:
-        dots: dict[str, Any] = {
-            "linestyle": "none",
-            "marker": "^",
-            "markersize": style.sized(7),
-            "markeredgecolor": "white",
-        }
+        dots: dict[str, Any] = {"linestyle": "none", "marker": "^", "markeredgecolor": "white"}
         uplift = [support.uplift for support in supports]
         stations = [support.station for support in supports]
-        ax.plot(stations, uplift, color=style.BLACK, **dots, label="largest uplift at supports", zorder=4)
+        label = "largest uplift at supports"
+        ax.plot(stations, uplift, color=style.BLACK, markersize=style.sized(7), **dots, label=label, zorder=4)
         if len(supports) <= LABELLED:
             note: dict[str, Any] = {"ha": "center", "va": "top", "fontsize": style.NOTE, "color": style.BLACK}
             ground = {"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none"}
@@ -260,13 +252,11 @@ def _droppers(ax: Axes, lines: dict[str, LineStatistics]) -> None:
     scale = Normalize(0.0, most if most > 0.0 else 1.0)
     shades = style.colours(style.TENSION)
     ax.vlines(station, low, high, colors=shades(scale(slack)), linewidth=style.sized(2.0))
-    ax.plot(station, high, color=style.INK, marker="_", markersize=style.sized(5), linestyle="none", label="_largest")
     loose = slack > 0.0
+    dash: dict[str, Any] = {"color": style.INK, "marker": "_", "markersize": style.sized(5), "linestyle": "none"}
     dots: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": style.sized(3.5), "markeredgewidth": 0.9}
-    taut = low[~loose]
-    ax.plot(
-        station[~loose], taut, color=style.INK, marker="_", markersize=style.sized(5), linestyle="none", label="_least"
-    )
+    ax.plot(station, high, **dash, label="_largest")
+    ax.plot(station[~loose], low[~loose], **dash, label="_least")
     if loose.any():
         ax.plot(station[loose], low[loose], color=style.RED, markerfacecolor="white", **dots, label="slackens")
     bar(ax, ScalarMappable(scale, shades), "time slack (%)").yaxis.set_major_formatter(PercentFormatter(1.0, symbol=""))
@@ -283,15 +273,10 @@ def _spectrum(ax: Axes, histories: Sequence[_LoadHistory], line: OverheadLine | 
         amplitude = 2.0 * np.abs(np.fft.rfft((force - force.mean()) * window)) / window.sum()
         frequency = np.fft.rfftfreq(force.size, history.interval)
         displayed = (frequency > 0.0) & (frequency <= FASTEST)
-        drawn: dict[str, Any] = {
-            "color": history.colour,
-            "linewidth": style.THIN,
-            **style.marks(i, len(histories), int(displayed.sum())),
-        }
-        ax.plot(
-            frequency[displayed], amplitude[displayed], **drawn, label=history.name if len(histories) > 1 else "_force"
-        )
-        ax.fill_between(frequency[displayed], amplitude[displayed], color=history.colour, alpha=0.15, linewidth=0.0)
+        curve, label = (frequency[displayed], amplitude[displayed]), history.name if len(histories) > 1 else "_force"
+        drawn: dict[str, Any] = {"linewidth": style.THIN, **style.marks(i, len(histories), int(displayed.sum()))}
+        ax.plot(*curve, color=history.colour, **drawn, label=label)
+        ax.fill_between(*curve, color=history.colour, alpha=0.15, linewidth=0.0)
     marks: list[tuple[float, str, str]] = [(f, f"{f:g} Hz", style.FAINT) for f in (BETWEEN, CUTOFF)]
     speed = histories[0].found.speed if histories else math.nan
     if line is not None and math.isfinite(speed):

@@ -31,13 +31,7 @@ CUTOFF, BETWEEN = 20.0, 5.0  # Hz: the highest frequency, and where its two band
 ORDER = 4
 SHORTEST_ARC = 5e-3  # s; shorter losses of contact do not count as arcs (TSI Energy, recalled)
 _DROPPER = re.compile(r"(.+)\.\d+\.\d+")  # names of droppers: line, span, number in the span
-_SAMPLED = {
-    "station": "sampled_station",
-    "force": "sampled_force",
-    "height": "sampled_height",
-    "tie_force": "sampled_tie_force",
-    "uplift": "sampled_uplift",
-}
+_SAMPLED = ("station", "force", "height", "tie_force", "uplift")  # quantities with `sampled_` before their names
 
 
 @dataclass(frozen=True)
@@ -159,8 +153,8 @@ def samples(dataset: xr.Dataset) -> xr.Dataset:
     time, kept = sampled_instants(dataset)
     out = {
         short: ((kind := dataset[name]).dims[2:] and ("instant", *kind.dims[2:]), kind.values[kept], kind.attrs)
-        for short, name in _SAMPLED.items()
-        if name in dataset
+        for short in _SAMPLED
+        if (name := f"sampled_{short}") in dataset
     }
     if {"station", "force", "height"} <= out.keys():
         dims = out["force"][0]

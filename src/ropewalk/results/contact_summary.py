@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING
 
-from ropewalk.model.pantograph import Pantograph
-from ropewalk.results.acceptance import acceptance_of
+import numpy as np
+
+from ropewalk.model.pantograph import LEADING, TRAILING, Pantograph
+from ropewalk.results.acceptance import SEPARATOR, UNKNOWN, Judgement, acceptance_of, judged
 from ropewalk.results.contact_statistics import (
     BETWEEN,
     CUTOFF,
@@ -16,16 +18,16 @@ from ropewalk.results.contact_statistics import (
     ContactStatistics,
     LineStatistics,
     contact_statistics,
+    filtered,
     has_samples,
+    interval_of,
     line_statistics,
     samples,
     scenario_of,
 )
 from ropewalk.results.contract import doubts_of
-from ropewalk.results.course import transitions
-from ropewalk.results.limits import SEPARATOR, UNKNOWN, Judgement, judged
-from ropewalk.results.strips import UNITS as STRIP_UNITS
-from ropewalk.results.strips import StripStatistics, rotation_ranges, strip_statistics
+from ropewalk.results.course import courses, on_strips, transitions
+from ropewalk.results.extremes import Summary
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,7 +35,24 @@ if TYPE_CHECKING:
     from ropewalk.model import Scenario
     from ropewalk.results.acceptance import Acceptance
 
-Summary = dict[str, Any]
+_TURNS = {"pitch": (LEADING, TRAILING), "roll": ("left", "right")}
+
+
+@dataclass(frozen=True)
+class StripStatistics:
+    """A collector strip while its pantograph is in the analysed spans, of its force up to 20 Hz."""
+
+    mean: float  # N
+    deviation: float  # N, standard deviation
+    maximum: float  # N
+    minimum: float  # N
+    loss: float  # share of the time without contact, of the force as computed
+
+
+STRIP_UNITS = {"mean": "N", "deviation": "N", "maximum": "N", "minimum": "N", "loss": "1"}
+
+
+_FILTER = {"kind": "Butterworth, zero phase", "order": ORDER, "unit": "Hz", "limit": CUTOFF, "between": BETWEEN}
 
 
 def contact_summary(dataset: xr.Dataset) -> Summary:
@@ -99,13 +118,7 @@ def _pantograph(
         "line": found.line,
         "analysed_spans": spans,
         "complete": found.complete,
-        "filter": {
-            "kind": "Butterworth, zero phase",
-            "order": ORDER,
-            "unit": "Hz",
-            "limit": CUTOFF,
-            "between": BETWEEN,
-        },
+        "filter": _FILTER,
         **values,
         "acceptance": _acceptance(acceptance_of(scenario, name, found)),
         "limits": _limits(judgement),
@@ -178,4 +191,47 @@ def _line(found: LineStatistics) -> Summary:
             ("most_slack", slackest, droppers[slackest].slack, "1"),
         ):
             out[key] = {"value": value, "unit": unit, "dropper": name, "station": droppers[name].station}
+    return out
+
+
+def strip_statistics(
+    dataset: xr.Dataset, flat: xr.Dataset, every: dict[str, ContactStatistics]
+) -> dict[str, dict[str, StripStatistics]]:
+    """Statistics of each strip of pantographs that have two, by pantograph and strip.
+
+    Args:
+        dataset: a result with samples.
+        flat: what `samples` gives of it.
+        every: statistics of its pantographs, by name.
+    """
+    names, interval = flat["load"].values.tolist(), interval_of(flat)
+    out = dict[str, dict[str, StripStatistics]]()
+    for name, course in courses(scenario_of(dataset), names).items():
+        station, found = flat["station"].values[:, names.index(name)], every[name]
+        here = (station >= found.first) & (station <= found.last)
+        if here.sum() < 2:
+            continue
+        for strip, raw in on_strips(course, flat["share"].values).items():
+            own = here & np.isfinite(raw)
+            force = filtered(raw, interval)[own]
+            values = force.mean(), force.std(), force.max(), force.min(), np.mean(raw[own] == 0.0)
+            out.setdefault(name, {})[strip] = StripStatistics(*map(float, values))
+    return out
+
+
+def rotation_ranges(dataset: xr.Dataset, name: str, spacing: dict[str, float]) -> dict[str, tuple[float, float]]:
+    """Least and largest angles of a head at the output instants, rad: pitch, leading strip up; roll, left up.
+
+    Args:
+        dataset: a result.
+        name: of the pantograph.
+        spacing: m, distances between the ends of its head that turn up and down, by rotation.
+    """
+    bodies, out = dataset["body"].values.tolist(), {}
+    for rotation, distance in spacing.items():
+        one, other = (
+            dataset["body_position"].values[:, bodies.index(f"{name}.head.{end}"), -1] for end in _TURNS[rotation]
+        )
+        angle = (one - other) / distance
+        out[rotation] = (float(np.nanmin(angle)), float(np.nanmax(angle)))
     return out

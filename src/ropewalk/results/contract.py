@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -54,96 +54,85 @@ class ResultVariable:
         return {"units": self.unit, "long_name": self.long_name}
 
 
-VARIABLES: Mapping[str, ResultVariable] = {
-    "position": ResultVariable(("node", "axis"), "m", "position of the node"),
-    "velocity": ResultVariable(("node", "axis"), "m/s", "velocity of the node"),
-    "tension": ResultVariable(("link",), "N", "tension in the link"),
-    "strain": ResultVariable(("link",), "1", "strain of the link"),
-    "contact_position": ResultVariable(("contact", "axis"), "m", "position of the contact"),
-    "contact_force": ResultVariable(("contact", "axis"), "N", "force on the line at the contact, with driving force"),
-    "hold_force": ResultVariable(
-        ("contact", "axis"), "N", "driving force along the path that the prescribed travel requires"
+def _variables(**of: tuple[str, str, str]) -> dict[str, ResultVariable]:
+    """Return variables by name, from the names of their dimensions, unit, and what they are."""
+    return {name: ResultVariable(tuple(dims.split()), unit, what) for name, (dims, unit, what) in of.items()}
+
+
+VARIABLES: Mapping[str, ResultVariable] = _variables(
+    position=("node axis", "m", "position of the node"),
+    velocity=("node axis", "m/s", "velocity of the node"),
+    tension=("link", "N", "tension in the link"),
+    strain=("link", "1", "strain of the link"),
+    contact_position=("contact axis", "m", "position of the contact"),
+    contact_force=("contact axis", "N", "force on the line at the contact, with driving force"),
+    hold_force=("contact axis", "N", "driving force along the path that the prescribed travel requires"),
+    contact_xi=("contact", "m", "material coordinate of the contact"),
+    contact_speed=("contact", "m/s", "speed of the load as measured"),
+    contact_tension=("contact side", "N", "tension behind and ahead of the load"),
+    contact_friction=("contact", "1", "smallest friction coefficient that prevents sliding"),
+    contact_state=(
+        "contact",
+        "1",
+        "0: off the line, 1: in the air, 2: sticks to the line, 3: slides or rolls along it",
     ),
-    "contact_xi": ResultVariable(("contact",), "m", "material coordinate of the contact"),
-    "contact_speed": ResultVariable(("contact",), "m/s", "speed of the load as measured"),
-    "contact_tension": ResultVariable(("contact", "side"), "N", "tension behind and ahead of the load"),
-    "contact_friction": ResultVariable(("contact",), "1", "smallest friction coefficient that prevents sliding"),
-    "contact_state": ResultVariable(
-        ("contact",), "1", "0: off the line, 1: in the air, 2: sticks to the line, 3: slides or rolls along it"
-    ),
-    "contact_in_air": ResultVariable(("contact",), "s", "time that the load has been in the air so far"),
-    "friction_power": ResultVariable(("contact",), "W", "power lost to friction along the line"),
-    "body_position": ResultVariable(("body", "axis"), "m", "position of the body of a load"),
-    "body_velocity": ResultVariable(("body", "axis"), "m/s", "velocity of the body of a load"),
-    "reaction": ResultVariable(("support", "axis"), "N", "force of the support on the line"),
-    "energy": ResultVariable(("form",), "J", "energy of each form in the audit"),
-    "tie_force": ResultVariable(("tie",), "N", "tension in the tie"),
-    "sampled_station": ResultVariable(
-        ("sample", "contact"), "m", "position of the contact along the line, between outputs"
-    ),
-    "sampled_force": ResultVariable(
-        ("sample", "contact"), "N", "force upwards on the line at the contact, between outputs"
-    ),
-    "sampled_height": ResultVariable(("sample", "contact"), "m", "height of the contact, between outputs"),
-    "sampled_tie_force": ResultVariable(("sample", "tie"), "N", "tension in the tie, between outputs"),
-    "sampled_uplift": ResultVariable(
-        ("sample", "watched"), "m", "height of the watched point above equilibrium, between outputs"
-    ),
-    "haul_tension": ResultVariable(
-        ("hauled", "rope_end"), "N", "tension in the ropes that haul the carriage, at the end of the rope"
-    ),
-    "haul_slip": ResultVariable(("hauled",), "m", "length of the hauling rope that has slipped out over its drive"),
-    "sheave_station": ResultVariable(
-        ("sheave",), "m", "material coordinate of the line at the sheave (unstrained arc length)"
-    ),
-    "cell_tension": ResultVariable(
-        ("cell", "direction"),
+    contact_in_air=("contact", "s", "time that the load has been in the air so far"),
+    friction_power=("contact", "W", "power lost to friction along the line"),
+    body_position=("body axis", "m", "position of the body of a load"),
+    body_velocity=("body axis", "m/s", "velocity of the body of a load"),
+    reaction=("support axis", "N", "force of the support on the line"),
+    energy=("form", "J", "energy of each form in the audit"),
+    tie_force=("tie", "N", "tension in the tie"),
+    sampled_station=("sample contact", "m", "position of the contact along the line, between outputs"),
+    sampled_force=("sample contact", "N", "force upwards on the line at the contact, between outputs"),
+    sampled_height=("sample contact", "m", "height of the contact, between outputs"),
+    sampled_tie_force=("sample tie", "N", "tension in the tie, between outputs"),
+    sampled_uplift=("sample watched", "m", "height of the watched point above equilibrium, between outputs"),
+    haul_tension=("hauled rope_end", "N", "tension in the ropes that haul the carriage, at the end of the rope"),
+    haul_slip=("hauled", "m", "length of the hauling rope that has slipped out over its drive"),
+    sheave_station=("sheave", "m", "material coordinate of the line at the sheave (unstrained arc length)"),
+    cell_tension=(
+        "cell direction",
         "N/m",
         "tension per width: of a membrane the larger and the smaller one, of a net along u, v",
     ),
-    "contact_change": ResultVariable(
-        ("compared", "axis"), "m", "change of the contact position from the mesh with half the elements"
-    ),
-    "exchange_work": ResultVariable(("foreign",), "J", "sum of energies exchanged through the interface so far"),
-    "exchange_residual": ResultVariable(("foreign",), "J", "energy error of the exchange with the model so far"),
-    "exchange_peak": ResultVariable(
-        ("foreign",), "J", "largest energy error in one interval of exchange since the last output"
-    ),
-}
+    contact_change=("compared axis", "m", "change of the contact position from the mesh with half the elements"),
+    exchange_work=("foreign", "J", "sum of energies exchanged through the interface so far"),
+    exchange_residual=("foreign", "J", "energy error of the exchange with the model so far"),
+    exchange_peak=("foreign", "J", "largest energy error in one interval of exchange since the last output"),
+)
 
-PATHS: Mapping[str, ResultVariable] = {
-    "time": ResultVariable((), "s", "time"),
-    "load_path": ResultVariable((), "m", "distance covered by the fastest load that still moves"),
-}
+PATHS: Mapping[str, ResultVariable] = _variables(
+    time=("", "s", "time"),
+    load_path=("", "m", "distance covered by the fastest load that still moves"),
+)
 
-COORDINATES: Mapping[str, ResultVariable] = {
-    "axis": ResultVariable(("axis",), "1", "axis: x along the span, y sideways, z up"),
-    "line": ResultVariable(("node",), "1", "line of the node"),
-    "xi": ResultVariable(("node",), "m", "material coordinate of the node (unstrained arc length)"),
-    "link_line": ResultVariable(("link",), "1", "line of the link"),
-    "link_xi": ResultVariable(("link",), "m", "material coordinate of the middle of the link (unstrained arc length)"),
-    "load": ResultVariable(("contact",), "1", "load of the contact"),
-    "body": ResultVariable(("body",), "1", "body of a load other than its contacts"),
-    "side": ResultVariable(("side",), "1", "side of the load: behind is towards the start of the line"),
-    "support": ResultVariable(("support",), "1", "support of a line"),
-    "form": ResultVariable(("form",), "1", "form of energy"),
-    "tie": ResultVariable(("tie",), "1", "tie between lines, such as a dropper"),
-    "tie_station": ResultVariable(("tie",), "m", "position of the tie along its line"),
-    "watched": ResultVariable(("watched",), "1", "point of a line with sampled height"),
-    "watched_station": ResultVariable(("watched",), "m", "position of the watched point along its line"),
-    "sample": ResultVariable(("sample",), "s", "time of the sample after the output instant (negative: before it)"),
-    "foreign": ResultVariable(("foreign",), "1", "load that is an external model"),
-    "compared": ResultVariable(("compared",), "1", "load of the contact that is compared with that on a coarser mesh"),
-    "hauled": ResultVariable(("hauled",), "1", "carriage on a hauling rope"),
-    "rope_end": ResultVariable(
-        ("rope_end",), "1", "end of a rope: at the carriage, at the drive, of the counter rope, beyond the drive"
-    ),
-    "sheave": ResultVariable(("sheave",), "1", "sheave over which a line runs"),
-    "corner": ResultVariable(("corner",), "1", "corner of a cell"),
-    "direction": ResultVariable(("direction",), "1", "direction of a tension in a cell"),
-    "cell_net": ResultVariable(("cell",), "1", "net or membrane of the cell"),
-    "cell_node": ResultVariable(("cell", "corner"), "1", "number of the node at the corner of the cell"),
-}
+COORDINATES: Mapping[str, ResultVariable] = _variables(
+    axis=("axis", "1", "axis: x along the span, y sideways, z up"),
+    line=("node", "1", "line of the node"),
+    xi=("node", "m", "material coordinate of the node (unstrained arc length)"),
+    link_line=("link", "1", "line of the link"),
+    link_xi=("link", "m", "material coordinate of the middle of the link (unstrained arc length)"),
+    load=("contact", "1", "load of the contact"),
+    body=("body", "1", "body of a load other than its contacts"),
+    side=("side", "1", "side of the load: behind is towards the start of the line"),
+    support=("support", "1", "support of a line"),
+    form=("form", "1", "form of energy"),
+    tie=("tie", "1", "tie between lines, such as a dropper"),
+    tie_station=("tie", "m", "position of the tie along its line"),
+    watched=("watched", "1", "point of a line with sampled height"),
+    watched_station=("watched", "m", "position of the watched point along its line"),
+    sample=("sample", "s", "time of the sample after the output instant (negative: before it)"),
+    **{"foreign": ("foreign", "1", "load that is an external model")},  # a name that results have
+    compared=("compared", "1", "load of the contact that is compared with that on a coarser mesh"),
+    hauled=("hauled", "1", "carriage on a hauling rope"),
+    rope_end=("rope_end", "1", "end of a rope: at the carriage, at the drive, of the counter rope, beyond the drive"),
+    sheave=("sheave", "1", "sheave over which a line runs"),
+    corner=("corner", "1", "corner of a cell"),
+    direction=("direction", "1", "direction of a tension in a cell"),
+    cell_net=("cell", "1", "net or membrane of the cell"),
+    cell_node=("cell corner", "1", "number of the node at the corner of the cell"),
+)
 
 NUMBERS = ("cell_node",)
 """Coordinates without a unit that are numbers, where all others are names."""
@@ -158,9 +147,9 @@ def is_present(quantity: ResultVariable, size: Mapping[Any, int]) -> bool:
     return all(size.get(dim, 0) or dim not in OPTIONAL for dim in quantity.dims)
 
 
-def coordinate_values(layout: Layout) -> dict[str, NDArray[Any]]:
-    """Values of all coordinates but the leading one: names as text, `xi` and `link_xi` in m."""
-    names = {
+def _names(layout: Layout) -> dict[str, Sequence[str]]:
+    """Names along every dimension that has some, by coordinate."""
+    return {
         "axis": layout.axes,
         "line": layout.node_line,
         "link_line": layout.link_line,
@@ -180,7 +169,11 @@ def coordinate_values(layout: Layout) -> dict[str, NDArray[Any]]:
         "direction": DIRECTIONS if layout.cell else (),
         "cell_net": layout.cell_net,
     }
-    values: dict[str, NDArray[Any]] = {name: np.array(text, dtype=np.str_) for name, text in names.items()}
+
+
+def coordinate_values(layout: Layout) -> dict[str, NDArray[Any]]:
+    """Values of all coordinates but the leading one: names as text, `xi` and `link_xi` in m."""
+    values: dict[str, NDArray[Any]] = {name: np.array(text, dtype=np.str_) for name, text in _names(layout).items()}
     values["xi"] = np.array(layout.node_xi, dtype=np.float64)
     values["link_xi"] = np.array(layout.link_xi, dtype=np.float64)
     for name in ("tie_station", "watched_station", "sample"):
@@ -191,27 +184,8 @@ def coordinate_values(layout: Layout) -> dict[str, NDArray[Any]]:
 
 def sizes(layout: Layout) -> dict[str, int]:
     """Length of every dimension but the leading one."""
-    return {
-        "node": len(layout.node_line),
-        "axis": len(layout.axes),
-        "link": len(layout.link_line),
-        "contact": len(layout.contact_load),
-        "body": len(layout.body),
-        "side": len(SIDES),
-        "support": len(layout.support),
-        "form": len(ENERGY_FORMS),
-        "tie": len(layout.tie),
-        "watched": len(layout.watched),
-        "sample": len(layout.sample),
-        "foreign": len(layout.external),
-        "compared": len(layout.compared),
-        "cell": len(layout.cell),
-        "hauled": len(layout.hauled),
-        "rope_end": len(ROPE_ENDS) if layout.hauled else 0,
-        "sheave": len(layout.sheave),
-        "corner": len(CORNERS) if layout.cell else 0,
-        "direction": len(DIRECTIONS) if layout.cell else 0,
-    }
+    named = {COORDINATES[name].dims[0]: len(names) for name, names in _names(layout).items()}
+    return named | {"sample": len(layout.sample), "cell": len(layout.cell)}
 
 
 def shapes(layout: Layout) -> dict[str, tuple[int, ...]]:

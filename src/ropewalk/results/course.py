@@ -123,13 +123,7 @@ def transitions(scenario: Scenario | None, flat: xr.Dataset) -> dict[str, list[d
             one, two = (np.nan_to_num(share[line]) > 0.0 for line in pair)
             if one.any() and two.any():
                 step = float(np.median(np.diff(time)))
-                out[name].append(
-                    {
-                        "from_line": pair[0],
-                        "to_line": pair[1],
-                        "first": float(station[np.flatnonzero(two)[0]]),
-                        "last": float(station[np.flatnonzero(one)[-1]]),
-                        "together": step * float((one & two).sum()),
-                    }
-                )
+                first, last = float(station[two.argmax()]), float(station[np.flatnonzero(one)[-1]])
+                places = {"first": first, "last": last, "together": step * float((one & two).sum())}
+                out[name].append({"from_line": pair[0], "to_line": pair[1], **places})
     return out

@@ -21,6 +21,8 @@ class DisplayUnit(NamedTuple):
 
 
 _UnitSteps = tuple[DisplayUnit, ...]
+Row = tuple[str, str, str]
+"""Of a table: what, how much, where and when."""
 
 
 def _decimal(si: str, prefixes: str = " kM") -> _UnitSteps:
@@ -48,6 +50,7 @@ ENGINEERING: Mapping[str, _UnitSteps] = {
 _WITHOUT_DIMENSION = {"%": "strain", "deg": "rad", "rad": "rad", "mrad": "rad"}
 PLACES = ("line", "xi", "x", "y", "z", "time", "load_path", "station")
 """Where and when something was found: in m and s, lengths in a named unit that is not a part of the metre."""
+NOTHING = 1e-5  # of the largest of its kind: what is no larger gets no row
 PLACE = "place"  # stands for the SI unit of coordinates
 
 
@@ -168,6 +171,14 @@ class Column:
         if found.get("load_path") is not None:
             unit = self._units.place
             yield f"load path = {number(found['load_path'] / unit.size)} {unit.symbol}"
+
+    def instant_and_components(self, force: Mapping[str, Any]) -> str:
+        """The instant of a force, and the ranges of its components that are anything compared with the whole."""
+        parts = force["components"].items() if force["value"] is not None else ()
+        known = [(axis, part["min"], part["max"]) for axis, part in parts if part["min"] is not None]
+        spans = (f"{axis}: {self.span(low, high, 'N')}" for axis, low, high in known
+                 if max(abs(low), abs(high)) > NOTHING * force["value"])  # fmt: skip
+        return "  ".join((*self.when(force), *spans))
 
     def _round(self, value: float, unit: str) -> float:
         return 0.0 if abs(value) <= self._floor.get(unit, 0.0) else value

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +14,7 @@ from ropewalk.results.attachments import AttachmentWatch
 from ropewalk.results.audit import AUDIT, rounding, turnover
 from ropewalk.results.frame import ENERGY_FORMS, OFF_LINE, Array, Doubt, Layout, RunInfo
 from ropewalk.results.frames import Frames
+from ropewalk.results.watch import Watch
 
 if TYPE_CHECKING:
     from ropewalk.model import Scenario
@@ -36,7 +37,7 @@ Booleans = NDArray[np.bool_]
 Cause = tuple[str, str, str]  # cause, key and remedy of a doubt
 
 
-class EnergyWatch:
+class EnergyWatch(Watch):
     """Watches the energy residual, and what loads and lines do while it grows.
 
     Args:
@@ -46,29 +47,37 @@ class EnergyWatch:
     """
 
     def __init__(self, layout: Layout, scenario: Scenario, attachments: AttachmentWatch) -> None:
-        self._layout, self._scenario, self._attachments = layout, scenario, attachments
-        self._loads = [name.partition(".")[0] for name in layout.contact_load]
-        self._bodies = np.array([isinstance(scenario.loads.get(name), Rolling) for name in self._loads], dtype=np.bool_)
+        super().__init__(layout, scenario)
+        self._attachments = attachments
+        self._bodies = np.array([isinstance(scenario.loads.get(name), Rolling) for name in self.loads], dtype=np.bool_)
+        self._slowness = np.array([self._slowness_of(name) for name in self.loads])  # (contact,) (kg/m)^(1/2)
         self._first: Array | None = None
         self._last: Array = np.zeros(0)  # forms in the frame before, J
         self._rounding = 0.0  # J
         names = "time residual throughput exchanged compression pushed speed fastest xi on force"
         self._of = {name: array("d") for name in names.split()}
 
-    def see(self, frames: Frames, speed: Array) -> None:
-        """Take note of frames.
+    def _slowness_of(self, name: str) -> float:
+        """Return the root of the mass of the line below a load, which gives the speed of its waves; 0: no such line."""
+        load = self.scenario.loads.get(name)
+        line = self.scenario.lines.get(load.on) if load is not None else None
+        return 0.0 if line is None or line.has_bending_stiffness else float(np.sqrt(line.mass))
 
-        Args:
-            frames: the frames.
-            speed: (frame, contact) of contacts, over that of transverse waves.
-        """
-        of, energy = frames.of, frames.of["energy"]
+    def _in_waves(self, of: Mapping[str, Array]) -> Array:
+        """Return speeds of contacts over those of transverse waves in the looser part next to them; 0: unknown."""
+        pull, speed = of["contact_tension"].min(axis=2), np.abs(of["contact_speed"])
+        known = np.isfinite(pull) & (speed > 0.0)
+        return np.where(known, speed * self._slowness / np.sqrt(np.where(known, np.maximum(pull, 1e-300), 1.0)), 0.0)
+
+    def see(self, frames: Frames) -> None:
+        """Take note of frames."""
+        of, energy, speed = frames.of, frames.of["energy"], self._in_waves(frames.of)
         if self._first is None:
             self._first = self._last = energy[0].copy()
         pull = np.nan_to_num(of["tension"])
         contacts = speed.shape[1] > 0
         speed = np.where((speed > SLACK) & ~self._bodies, 0.0, speed)  # without mass nothing grows on a slack line
-        self._rounding = max(self._rounding, rounding(self._scenario, energy))
+        self._rounding = max(self._rounding, rounding(self.scenario, energy))
         forms = np.delete(np.concatenate([self._last[None], energy]), AUDITED, axis=1)
         found = {
             "time": frames.path,
@@ -89,32 +98,38 @@ class EnergyWatch:
 
     def xi(self, k: int) -> Array:
         """Return the coordinates of contact `k` at the output instants, m."""
-        return np.array(self._of["xi"]).reshape(-1, len(self._loads))[:, k]
+        return np.array(self._of["xi"]).reshape(-1, len(self.loads))[:, k]
 
-    def findings(self, run_info: RunInfo) -> tuple[list[Doubt], list[str]]:
-        """Find a doubt, or a warning, if the residual is a notable part of the energy throughput.
+    def doubts(self, run_info: RunInfo) -> Iterator[Doubt]:
+        """Yield a doubt if the residual is a large part of the energy throughput, or grows to the end."""
+        yield from (found for found, is_large in self._findings(run_info) if is_large)
 
-        Args:
-            run_info: with the method and step of the run.
-        """
+    def messages(self, run_info: RunInfo) -> Iterator[str]:
+        """Yield a warning if the residual is a notable part of the energy throughput."""
+        yield from (str(found) for found, is_large in self._findings(run_info) if not is_large)
+
+    def _findings(self, run_info: RunInfo) -> Iterator[tuple[Doubt, bool]]:
+        """Yield the fault of the audit, if there is one, and whether it makes the run doubtful."""
+        if self.layout.path != "time" or run_info.audit or len(self._of["time"]) < 2:
+            return
         of = {name: np.array(values) for name, values in self._of.items()}
         for name in ("xi", "on", "force"):
-            of[name] = of[name].reshape(of["time"].size, len(self._loads))
+            of[name] = of[name].reshape(of["time"].size, len(self.loads))
         residual, scale = of["residual"], float(of["throughput"].max())
         if not np.isfinite(residual).all():
             remedy = "check forces and deflections by another calculation"
-            return [Doubt("no energy audit was kept", "it is not implemented for this combination", "run", remedy)], []
+            yield Doubt("no energy audit was kept", "it is not implemented for this combination", "run", remedy), True
+            return
         worst = int(residual.argmax())
         size = float(residual[worst])
         if size <= max(NOTABLE * scale, self._rounding):
-            return [], []
+            return
         share = f"{_percent(size / scale)} of the energy throughput {amount(scale)}" if scale else "no throughput"
         growing = late_growth(residual, of["exchanged"], NOTABLE * scale)
         what = f"{RESIDUAL} {amount(size)} at t = {of['time'][worst]:.4g} s ({share})"
         if growing > LARGE:
             what += f", growing by {_percent(growing)} of the energy exchanged in the last third of the run"
-        found = Doubt(what, *self._cause(of, worst, run_info))
-        return ([found], []) if size > LARGE * scale or growing > LATE else ([], [str(found)])
+        yield Doubt(what, *self._cause(of, worst, run_info)), size > LARGE * scale or growing > LATE
 
     def _cause(self, of: dict[str, Array], worst: int, run_info: RunInfo) -> Cause:
         """The event that most of the growth of the residual coincides with, the key to blame, and the remedy."""
@@ -135,7 +150,7 @@ class EnergyWatch:
         step = run_info.step if run_info.method != "implicit" else float("nan")  # that chooses its steps itself
         finer = f"run.step: {0.5 * step:.3g} s (half of its value)" if step > 0.0 else "run.step"
         smaller, more, but = f"a smaller {finer}", "more elements", "; if the residual does not fall, write "
-        given = getattr(self._scenario.run, "step", None) is not None  # else the step follows from the accuracy
+        given = getattr(self.scenario.run, "step", None) is not None  # else the step follows from the accuracy
         remedy = "write " + (smaller + but + more if given else more + but + smaller)
         return f"not identified, the residual grows {when}", "run.step" if given else "lines", remedy
 
@@ -145,21 +160,21 @@ class EnergyWatch:
         return float(of["time"][max(int(counts.argmax()) - 1, 0)])
 
     def _crossing(self, of: dict[str, Array], mostly: Callable[[Booleans], bool], when: str) -> Cause | None:
-        for k, name in enumerate(self._loads):
+        for k, name in enumerate(self.loads):
             if mostly(self._attachments.blamed(k, of["xi"][:, k])):
-                load = self._scenario.loads[name]
-                text = f"load {self._layout.contact_load[k]} is located at an attachment of line {load.on} {when}"
+                load = self.scenario.loads[name]
+                text = f"load {self.layout.contact_load[k]} is located at an attachment of line {load.on} {when}"
                 return text, f"loads.{name}.travel", self._attachments.remedy_for(k)
         return None
 
     def _near_an_end(self, of: dict[str, Array], mostly: Callable[[Booleans], bool], when: str) -> Cause | None:
         """A body whose contact force grows next to an end of its line."""
-        for k, name in enumerate(self._loads):
-            load = self._scenario.loads.get(name)
-            line = None if load is None else self._scenario.lines.get(load.on)
+        for k, name in enumerate(self.loads):
+            load = self.scenario.loads.get(name)
+            line = None if load is None else self.scenario.lines.get(load.on)
             if line is None or line.has_bending_stiffness or not isinstance(load, Rolling):
                 continue
-            own = self._layout.link_xi[[one == load.on for one in self._layout.link_line]]
+            own = self.layout.link_xi[[one == load.on for one in self.layout.link_line]]
             xi, force = of["xi"][:, k], np.nan_to_num(of["force"][:, k])
             pressing, length = force[force > 0.0], float(own.max() + own.min())
             away = np.where(of["on"][:, k] > 0.0, np.minimum(xi, length - xi), length)
@@ -168,7 +183,7 @@ class EnergyWatch:
             typical = float(np.median(pressing)) if pressing.size else np.inf
             if not mostly(approaches & (away < reach) & (force > _PEAK * typical)):
                 continue
-            text = f"the contact force of load {self._layout.contact_load[k]} grows next to an end of {load.on} {when}"
+            text = f"the contact force of load {self.layout.contact_load[k]} grows next to an end of {load.on} {when}"
             remedy, last = f"end the run before t = {self._since(of):.4g} s", float(xi[away < reach][-1])
             begins = float(abs(xi[0] - (length if last > reach else 0.0)))  # m from the end that it comes to
             margin = getattr(load.travel, "margin", reach)  # trains have none
@@ -178,13 +193,13 @@ class EnergyWatch:
         return None
 
     def _leaving(self, of: dict[str, Array], mostly: Callable[[Booleans], bool], when: str) -> Cause | None:
-        for k, name in enumerate(self._loads):
+        for k, name in enumerate(self.loads):
             on = of["on"][:, k] > 0.0
             changed = np.concatenate([[False], on[1:] != on[:-1]])
             if changed.sum() > _ONCE:
                 continue  # as a foot that steps
             if mostly(changed & ~on):
-                text = f"load {self._layout.contact_load[k]} leaves its line {when}"
+                text = f"load {self.layout.contact_load[k]} leaves its line {when}"
                 return text, f"loads.{name}.travel", f"end the run before t = {self._since(of):.4g} s"
         return None
 
@@ -194,9 +209,9 @@ class EnergyWatch:
             return None
         i = int(of["speed"].argmax())
         k, times = int(of["fastest"][i]), float(of["speed"][i])
-        name, key = self._layout.contact_load[k], f"loads.{self._loads[k]}.travel.speed"
-        if getattr(getattr(self._scenario.loads.get(self._loads[k]), "travel", None), "kind", "") == "free":
-            key, remedy = f"loads.{self._loads[k]}.travel", f"end the run before t = {self._since(of):.4g} s"
+        name, key = self.layout.contact_load[k], f"loads.{self.loads[k]}.travel.speed"
+        if getattr(getattr(self.scenario.loads.get(self.loads[k]), "travel", None), "kind", "") == "free":
+            key, remedy = f"loads.{self.loads[k]}.travel", f"end the run before t = {self._since(of):.4g} s"
             more = f"{remedy}, or write more tension"
         else:
             remedy, more = "write a lower speed", "write a lower speed, or more tension"
@@ -209,8 +224,8 @@ class EnergyWatch:
         pushed = of["compression"] > _PUSHED
         if not mostly(pushed):
             return None
-        name = self._layout.link_line[int(of["pushed"][int(of["compression"].argmax())])]
-        line = self._scenario.lines.get(name)
+        name = self.layout.link_line[int(of["pushed"][int(of["compression"].argmax())])]
+        line = self.scenario.lines.get(name)
         if line is None or line.has_bending_stiffness:
             return None
         remedy = f"write more axial_damping (now {line.axial_damping:.3g} N*s), or more elements"

@@ -16,9 +16,7 @@ from ropewalk.results.frame import Array, RunInfo
 if TYPE_CHECKING:
     import xarray as xr
 
-MADE = (
-    0.05  # of the work through an exchange: of energy made beyond that a run is doubtful, as of energy that is missing
-)
+MADE = 0.05  # of the work through an exchange: of energy made beyond that a run is doubtful, as of what is missing
 REMEDY = "shorten `every`, give exchange.damping (which damps), or write exchange.scheme: iterated"
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -17,16 +16,21 @@ from ropewalk.results.audit import AUDIT
 from ropewalk.results.axis_units import displayed_size, show_units
 from ropewalk.results.contact_figure import FORCE, Collection, is_of_overhead_line
 from ropewalk.results.contract import path_name
-from ropewalk.results.display_units import DisplayUnits
+from ropewalk.results.display_units import NOTHING, DisplayUnits
 from ropewalk.results.files import ResultError
 from ropewalk.results.frame import Array
 from ropewalk.results.nets import is_spatial
-from ropewalk.results.page import Page
-from ropewalk.results.response_views import VIEWS_OF_PLACES, seen_at_places, with_first_axles
-from ropewalk.results.ropeway_views import VIEWS_OF_CARRIAGES, seen_of_carriages
+from ropewalk.results.response_views import (
+    VIEWS_OF_CARRIAGES,
+    VIEWS_OF_PLACES,
+    seen_at_places,
+    seen_of_carriages,
+    with_first_axles,
+)
+from ropewalk.results.scene import is_long, space
 from ropewalk.results.shape_views import plan
-from ropewalk.results.space_figure import is_long, space
-from ropewalk.results.table import NOTHING, ROUND_OFF
+from ropewalk.results.style import Page
+from ropewalk.results.table import ROUND_OFF
 from ropewalk.results.trains import grouped_contacts
 from ropewalk.results.views import VIEWS, any_of, headline
 
@@ -150,8 +154,7 @@ def panels_of(dataset: xr.Dataset) -> list[str]:
 def rows_of_panels(dataset: xr.Dataset, size: str) -> list[list[str]]:
     """Names of the panels of the overview, those in one list side by side on a page of this size."""
     long = bool(dataset.sizes[path_name(dataset)] and is_spatial(dataset) and is_long(dataset))
-    placed = _places(panels_of(with_first_axles(dataset)), Page.of(size).columns, long)
-    return [[place.name for place in row] for row in placed]
+    return _rows(panels_of(with_first_axles(dataset)), Page.of(size).columns, long)
 
 
 def _moves(places: Array) -> bool:
@@ -166,22 +169,7 @@ def _matters(dataset: xr.Dataset, name: str, beside: str) -> bool:
     return here > NOTHING * there
 
 
-@dataclass
-class _Place:
-    """A panel and where it stands: its row and the parts of the width."""
-
-    name: str
-    row: int
-    first: int
-    last: int
-
-    def covers(self, others: Sequence[_Place]) -> bool:
-        """Whether panels of the next row stand below all of this one."""
-        below = [other for other in others if other.first < self.last and other.last > self.first]
-        return sum(min(o.last, self.last) - max(o.first, self.first) for o in below) == self.last - self.first
-
-
-def _places(names: Sequence[str], columns: int, long: bool) -> list[list[_Place]]:
+def _rows(names: Sequence[str], columns: int, long: bool) -> list[list[str]]:
     """Rows of panels in their order, side by side where there is room."""
     rows: list[list[str]] = []
     for name in names:
@@ -193,13 +181,7 @@ def _places(names: Sequence[str], columns: int, long: bool) -> list[list[_Place]
             rows.append([name])
         else:
             last.append(name)
-        if whole:
-            rows[-1] = [name]
-    placed = []
-    for r, row in enumerate(rows):
-        ends = [GRID * k // len(row) for k in range(len(row) + 1)]
-        placed.append([_Place(name, r, a, b) for name, (a, b) in zip(row, pairwise(ends), strict=True)])
-    return placed
+    return rows
 
 
 def _draw(
@@ -211,9 +193,9 @@ def _draw(
     names = panels_of(dataset) if panels is None else _known(panels, collection)
     spatial = {"space", "plan"} & set(names)
     long = bool(spatial and dataset.sizes[path_name(dataset)] and is_long(dataset))
-    rows = _places(names, page.columns, long)
+    rows = _rows(names, page.columns, long)
     tallness = {**TALL, "plan": SLIM} if long else TALL
-    heights = [max(tallness.get(place.name.partition(".")[0], 1.0) for place in row) for row in rows]
+    heights = [max(tallness.get(name.partition(".")[0], 1.0) for name in row) for row in rows]
     share = 0.35 + 0.65 * page.width / page.columns / COLUMN
     titled = panels is None and page == Page.of(None)
     with style.scaled(page.scale):
@@ -223,20 +205,20 @@ def _draw(
             headline(fig, dataset)
         drawn: dict[str, Axes] = {}
         scenes = []
-        for place, ax in _stand(fig, rows, heights):
-            drawn[place.name] = ax
+        for name, ax in _stand(fig, rows, heights):
+            drawn[name] = ax
             if not dataset.sizes[path_name(dataset)]:
-                style.dress(ax, place.name)
-            elif place.name == "space":
+                style.dress(ax, name)
+            elif name == "space":
                 scenes.append(space(dataset, ax))
-            elif collection is not None and place.name in collection.panels:
-                collection.draw(place.name, ax)
+            elif collection is not None and name in collection.panels:
+                collection.draw(name, ax)
             else:
                 views = {**VIEWS, **VIEWS_OF_PLACES, **VIEWS_OF_CARRIAGES, "plan": plan}
-                views[place.name](dataset, ax)
+                views[name](dataset, ax)
         show_units(fig, units or DisplayUnits.read(None))
         _share_labels(rows, drawn)
-        placed = [[drawn[place.name] for place in row] for row in rows]
+        placed = [[drawn[name] for name in row] for row in rows]
         for ax in drawn.values():
             if (legend := ax.get_legend()) is not None:
                 legend.set_in_layout(False)
@@ -245,17 +227,16 @@ def _draw(
         if page.height is None:
             lines = sum(max(style.legend_rows(row) - 1, 0) for row in placed)
             fig.set_figheight(page.tall(tall + lines * style.LINE_HEIGHT * style.NOTE / 72.0))
-        flat = [place for row in rows for place in row if row[0].name != "space"]
-        for start in {place.first for place in flat}:
-            fig.align_ylabels([drawn[place.name] for place in flat if place.first == start])
+        for k in range(GRID):
+            fig.align_ylabels([drawn[row[k]] for row in rows if len(row) > k and row[0] != "space"])
         for scene in scenes:
             scene.settle()
     return fig, drawn
 
 
-def _stand(fig: Figure, rows: Sequence[Sequence[_Place]], heights: Sequence[float]) -> Iterator[tuple[_Place, Axes]]:
+def _stand(fig: Figure, rows: Sequence[Sequence[str]], heights: Sequence[float]) -> Iterator[tuple[str, Axes]]:
     """Panels with their empty axes; views in space and plans have a grid of their own above the others."""
-    head = sum(all(place.name in ("space", "plan") for place in row) for row in rows)
+    head = sum(all(name in ("space", "plan") for name in row) for row in rows)
     blocks = [(a, b) for a, b in ((0, head), (head, len(rows))) if b > a]
     outer = fig.add_gridspec(len(blocks), 1, height_ratios=[sum(heights[a:b]) for a, b in blocks])
     for k, (a, b) in enumerate(blocks):
@@ -263,8 +244,9 @@ def _stand(fig: Figure, rows: Sequence[Sequence[_Place]], heights: Sequence[floa
         widths = SCENE if aside and b == head else (1.0,) * GRID
         grid = outer[k].subgridspec(b - a, len(widths), height_ratios=heights[a:b], width_ratios=widths)
         for r, row in enumerate(rows[a:b]):
-            for place in row:
-                yield place, fig.add_subplot(grid[r, place.first : place.last] if aside else grid[r, :])
+            for c, name in enumerate(row):
+                part = slice(GRID * c // len(row), GRID * (c + 1) // len(row))
+                yield name, fig.add_subplot(grid[r, part] if aside else grid[r, :])
 
 
 def _known(panels: Sequence[str], collection: Collection | None) -> list[str]:
@@ -280,7 +262,7 @@ def _known(panels: Sequence[str], collection: Collection | None) -> list[str]:
     return list(dict.fromkeys(out))
 
 
-def _share_labels(rows: Sequence[Sequence[_Place]], drawn: dict[str, Axes]) -> None:
+def _share_labels(rows: Sequence[Sequence[str]], drawn: dict[str, Axes]) -> None:
     """Panels over the same quantity share its axis, and only the lowest of those above each other has its label."""
     labels = {name: ax.get_xlabel() for name, ax in drawn.items()}
     first: dict[str, Axes] = {}
@@ -290,9 +272,8 @@ def _share_labels(rows: Sequence[Sequence[_Place]], drawn: dict[str, Axes]) -> N
         if (leader := first.setdefault(labels[name], ax)) is not ax:
             ax.sharex(leader)
     for row, below in pairwise(rows):
-        for place in row:
-            under = [o for o in below if o.first < place.last and o.last > place.first]
-            same = {labels[o.name] for o in under} == {labels[place.name]}
-            if place.covers(below) and same and not labels[place.name].startswith("x ("):
-                drawn[place.name].set_xlabel("")
-                drawn[place.name].tick_params(labelbottom=False)
+        for k, name in enumerate(row):
+            under = [below[k]] if len(row) == len(below) else below
+            if {labels[other] for other in under} == {labels[name]} and not labels[name].startswith("x ("):
+                drawn[name].set_xlabel("")
+                drawn[name].tick_params(labelbottom=False)

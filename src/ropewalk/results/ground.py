@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ropewalk.model.carriage import Carriage
-from ropewalk.results.frame import Array, Layout
+from ropewalk.results.frame import Array, RunInfo
 from ropewalk.results.frames import Frames
-
-if TYPE_CHECKING:
-    from ropewalk.model import Scenario
+from ropewalk.results.watch import Watch
 
 
 def heights(place: Array, below: float, ground: Array) -> Array:
@@ -27,20 +24,14 @@ def heights(place: Array, below: float, ground: Array) -> Array:
     return np.asarray(place[..., -1] - below - np.interp(place[..., 0], x, z, left=np.nan, right=np.nan))
 
 
-class GroundWatch:
-    """What comes below the ground in a run: it is measured from, and stops nothing.
+class GroundWatch(Watch):
+    """Watches lines and cabins for what comes below the ground: it is measured from, and stops nothing."""
 
-    Args:
-        layout: of the frames.
-        scenario: whose lines, and cabins of carriages, are watched.
-    """
-
-    def __init__(self, layout: Layout, scenario: Scenario) -> None:
-        self._ground: Array = np.array(scenario.outputs.ground or (), dtype=float).reshape(-1, 2)
-        self._path = layout.path
-        nodes, bodies = np.array(layout.node_line), list(layout.body)
-        self._watched = [("position", name, np.flatnonzero(nodes == name), 0.0) for name in scenario.lines]
-        for name, load in scenario.loads.items():
+    def _prepare(self) -> None:
+        self._ground: Array = np.array(self.scenario.outputs.ground or (), dtype=float).reshape(-1, 2)
+        bodies = list(self.layout.body)
+        self._watched = [("position", name, self.nodes_of(name), 0.0) for name in self.scenario.lines]
+        for name, load in self.scenario.loads.items():
             cabin = f"{name}.cabin"
             if isinstance(load, Carriage) and load.cabin is not None and cabin in bodies:
                 self._watched.append(("body_position", cabin, np.array([bodies.index(cabin)]), load.cabin.floor))
@@ -58,12 +49,12 @@ class GroundWatch:
                 found = float(height[i, j]), float(place[i, j, 0]), float(frames.path[i])
                 self._lowest[name] = min(self._lowest.get(name, found), found)
 
-    def messages(self) -> Iterator[str]:
+    def messages(self, run_info: RunInfo) -> Iterator[str]:
         """What has been below the ground."""
         for name, (height, x, when) in self._lowest.items():
             if height < 0.0:
-                at = f"t = {when:.4g} s" if self._path == "time" else f"load path = {when:.4g} m"
                 yield (
-                    f"{name} comes {-height:.3g} m below the ground of outputs.ground, at x = {x:.4g} m, {at}: contact "
-                    "with the ground is not computed; raise the supports or the tension, or correct outputs.ground"
+                    f"{name} comes {-height:.3g} m below the ground of outputs.ground, at x = {x:.4g} m, "
+                    f"{self.at(when)}: contact with the ground is not computed; raise the supports or the tension, or "
+                    "correct outputs.ground"
                 )

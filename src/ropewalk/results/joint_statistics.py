@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contract import path_name
 from ropewalk.results.declared import declared
-from ropewalk.results.display_units import Column, number
+from ropewalk.results.display_units import Column, Row, number
+from ropewalk.results.extremes import Summary, span, vector
 from ropewalk.results.frame import Array
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Summary = dict[str, Any]
-Row = tuple[str, str, str]
 MANY, LARGEST = 8, 3  # with more joints than this only so many of them get rows
 _ENDS = {"start": 0, "end": -1}
 
@@ -70,20 +69,9 @@ def _inertia(dataset: xr.Dataset, joint: Summary, end: tuple[str, str]) -> Array
 
 
 def _joint(dataset: xr.Dataset, mass: float, ends: list[tuple[str, str]], force: Array) -> Summary:
-    path, axes = dataset[path_name(dataset)].values, dataset["axis"].values.tolist()
-    place, size = _nodes(dataset, *ends[0])[:, 0], np.linalg.norm(force, axis=1)
-    most = int(size.argmax())
-    return {
-        "mass": {"value": mass, "unit": "kg"},
-        "place": {
-            axis: {"unit": "m", "min": place[:, k].min(), "max": place[:, k].max(), "last": place[-1, k]}
-            for k, axis in enumerate(axes)
-        },
-        "force": {
-            "value": size[most], "unit": "N", path_name(dataset): path[most],
-            "components": {axis: {"min": force[:, k].min(), "max": force[:, k].max()} for k, axis in enumerate(axes)},
-        },
-    }  # fmt: skip
+    place, axes = _nodes(dataset, *ends[0])[:, 0], dataset["axis"].values.tolist()
+    places = {axis: {"unit": "m", **span(place[:, k]), "last": place[-1, k]} for k, axis in enumerate(axes)}
+    return {"mass": {"value": mass, "unit": "kg"}, "place": places, "force": vector(dataset, force)}
 
 
 def _nodes(dataset: xr.Dataset, line: str, end: str) -> Array:
@@ -114,15 +102,10 @@ def joint_rows(joints: dict[str, Summary], say: Column) -> Iterator[Row]:
         joint = joints[name]
         yield f"Joint {name}", "", ""
         yield "mass", f"{number(joint['mass']['value'])} kg", ""
-        for axis, span in joint["place"].items():
-            moves = span["max"] - span["min"] > 1e-9
-            last = f"{say.place(span['last'])} at the end" if moves else ""
-            ends = f"{say.place(span['min'], with_unit=False)} to {say.place(span['max'])}"
-            yield f"place {axis}", ends if moves else say.place(span["last"]), last
+        for axis, own in joint["place"].items():
+            moves = own["max"] - own["min"] > 1e-9
+            last = f"{say.place(own['last'])} at the end" if moves else ""
+            ends = f"{say.place(own['min'], with_unit=False)} to {say.place(own['max'])}"
+            yield f"place {axis}", ends if moves else say.place(own["last"]), last
         force = joint["force"]
-        spans = [
-            f"{axis}: {say.span(span['min'], span['max'], 'N')}"
-            for axis, span in force["components"].items()
-            if max(abs(span["min"]), abs(span["max"])) > 1e-5 * force["value"]
-        ]
-        yield "largest force of the lines on it", say(force["value"], "N"), "  ".join((*say.when(force), *spans))
+        yield "largest force of the lines on it", say(force["value"], "N"), say.instant_and_components(force)

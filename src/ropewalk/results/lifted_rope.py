@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ropewalk.results.frame import Array, Doubt, Layout
+from ropewalk.results.frame import Array, Doubt, RunInfo
 from ropewalk.results.frames import Frames
-
-if TYPE_CHECKING:
-    from ropewalk.model import Scenario
+from ropewalk.results.watch import Watch
 
 _NO_FORCE = 1e-9  # of the largest tension: a saddle that bears no more does not touch the rope
 _LINKS = 4  # per radius of a groove, with which equilibria find the rope on it
@@ -31,24 +28,18 @@ def is_touched(reaction: Array, tension: Array) -> NDArray[np.bool_]:
     return np.asarray(np.linalg.norm(np.nan_to_num(reaction), axis=1) > _NO_FORCE * largest)
 
 
-class LiftedRopeWatch:
-    """Watches saddles for frames in which their rope does not touch them.
+class LiftedRopeWatch(Watch):
+    """Watches saddles for frames in which their rope does not touch them."""
 
-    Args:
-        layout: of the frames.
-        scenario: the scenario.
-    """
-
-    def __init__(self, layout: Layout, scenario: Scenario) -> None:
-        self._path, self._scenario, supports = layout.path, scenario, list(layout.support)
+    def _prepare(self) -> None:
+        supports = list(self.layout.support)
         self._saddles = [
             (name, key, supports.index(f"{name}.{key}"), np.array(saddle.at))
-            for name, line in scenario.lines.items() for key, saddle in line.saddles.items()
+            for name, line in self.scenario.lines.items() for key, saddle in line.saddles.items()
             if f"{name}.{key}" in supports
         ]  # fmt: skip
-        nodes, links = np.array(layout.node_line), np.array(layout.link_line)
-        self._nodes = {name: np.flatnonzero(nodes == name) for name, *_ in self._saddles}
-        self._links = {name: np.flatnonzero(links == name) for name, *_ in self._saddles}
+        self._nodes = {name: self.nodes_of(name) for name, *_ in self._saddles}
+        self._links = {name: self.links_of(name) for name, *_ in self._saddles}
         self._first: dict[tuple[str, str], float] = {}  # s or m, the first frame without contact
         self._highest: dict[tuple[str, str], tuple[float, float]] = {}  # m over the crown, and when, without contact
         self._lowest: dict[tuple[str, str], tuple[float, float]] = {}
@@ -68,28 +59,25 @@ class LiftedRopeWatch:
                     self._highest[name, key] = max(self._highest.get((name, key), (gap, when)), (gap, when))
                     self._lowest[name, key] = min(self._lowest.get((name, key), (gap, when)), (gap, when))
 
-    def _at(self, when: float) -> str:
-        return f"t = {when:.4g} s" if self._path == "time" else f"load path {when:.4g} m"
-
-    def messages(self) -> Iterator[str]:
+    def messages(self, run_info: RunInfo) -> Iterator[str]:
         """The saddles that their rope lifts off, with instant, gap and remedy."""
         for (name, key), (gap, when) in self._highest.items():
             if gap > 0.0:
                 yield (
-                    f"line {name} does not touch saddle {key} from {self._at(self._first[name, key])} on: it is up to "
-                    f"{gap:.4g} m above its crown ({self._at(when)}), and spans from the supports before and after it; "
+                    f"line {name} does not touch saddle {key} from {self.at(self._first[name, key])} on: it is up to "
+                    f"{gap:.4g} m above its crown ({self.at(when)}), and spans from the supports before and after it; "
                     f"raise lines.{name}.saddles.{key}.at by more than {gap:.3g} m, or give the line less tension"
                 )
 
-    def doubts(self) -> Iterator[Doubt]:
+    def doubts(self, run_info: RunInfo) -> Iterator[Doubt]:
         """The saddles below which their rope was found, though it lies on them."""
         for (name, key), (gap, when) in self._lowest.items():
             if gap < 0.0:
-                line = self._scenario.lines[name]
+                line = self.scenario.lines[name]
                 links, radius = len(self._links[name]), line.saddles[key].radius
                 length = line.length or line.distance
                 count = max(math.ceil(_LINKS * length / radius), 2 * links)
-                what = f"line {name} is {-gap:.4g} m below the crown of saddle {key} at {self._at(when)}, untouched"
+                what = f"line {name} is {-gap:.4g} m below the crown of saddle {key} at {self.at(when)}, untouched"
                 cause = f"links of {length / links:.3g} m are too long for its groove of radius {radius:.4g} m"
                 where, remedy = f"lines.{name}.elements", f"write lines.{name}.elements: {count} or more"
                 if links * radius >= _LINKS * length:

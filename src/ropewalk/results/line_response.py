@@ -102,11 +102,6 @@ class LineResponse:
             return None
         return np.array([-run[1], run[0], 0.0]) / float(np.hypot(run[0], run[1]))
 
-    @property
-    def is_fine(self) -> bool:
-        """Whether output instants are close enough for accelerations."""
-        return is_fine(self.dataset, self.cut_off)
-
     @cached_property
     def moment(self) -> Array | None:
         """(frame, node) N m, EI times curvature, sagging positive; None without bending stiffness.

@@ -9,13 +9,12 @@ import numpy as np
 
 from ropewalk.results.contract import path_name
 from ropewalk.results.declared import declared
-from ropewalk.results.display_units import Column
+from ropewalk.results.display_units import Column, Row
 from ropewalk.results.frame import OFF_LINE, Array
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Row = tuple[str, str, str]
 FELT = 1e-3
 """m, by which something must go down to be worth a row."""
 STEPPING = ("stepper", "walker", "footsteps")

@@ -7,32 +7,24 @@ gets longer or shorter. It keeps links that fly about from swinging for ever; he
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ropewalk.results.frame import Layout
+from ropewalk.results.frame import RunInfo
 from ropewalk.results.frames import Frames
-
-if TYPE_CHECKING:
-    from ropewalk.model import Scenario
+from ropewalk.results.watch import Watch
 
 _MUCH = 0.05  # part of the largest tension of all lines, from which on a push counts
 _PULL_ONLY = ("tension_only", "webbing")
 
 
-class PushWatch:
-    """Watches lines that only pull for the largest push of their dampers.
+class PushWatch(Watch):
+    """Watches lines that only pull for the largest push of their dampers."""
 
-    Args:
-        layout: of the frames.
-        scenario: the scenario.
-    """
-
-    def __init__(self, layout: Layout, scenario: Scenario) -> None:
-        damped = [name for name, line in scenario.lines.items() if line.axial_damping and line.law.kind in _PULL_ONLY]
-        self._layout = layout
-        self._links = np.flatnonzero(np.isin(np.array(layout.link_line), damped)) if damped else np.zeros(0, np.intp)
+    def _prepare(self) -> None:
+        lines = self.scenario.lines.items()
+        damped = [name for name, line in lines if line.axial_damping and line.law.kind in _PULL_ONLY]
+        self._links = np.concatenate([np.zeros(0, np.intp), *map(self.links_of, damped)])
         self._largest = 0.0  # N, tension of all lines
         self._push = 0.0, 0.0, ""  # N, path, and the line
 
@@ -45,15 +37,14 @@ class PushWatch:
         own = np.nan_to_num(pull[:, self._links])
         i, link = np.unravel_index(int(own.argmin()), own.shape)
         if -own[i, link] > self._push[0]:
-            line = self._layout.link_line[int(self._links[link])]
+            line = self.layout.link_line[int(self._links[link])]
             self._push = float(-own[i, link]), float(frames.path[i]), line
 
-    def messages(self) -> Iterator[str]:
+    def messages(self, run_info: RunInfo) -> Iterator[str]:
         """The line that pushes most, if that is much."""
         push, path, line = self._push
         if push > _MUCH * self._largest:
-            when, unit = ("t =", "s") if self._layout.path == "time" else ("load path", "m")
             yield (
-                f"tension-only line {line} has a compressive force of {push:.4g} N at {when} {path:.4g} {unit}: its "
+                f"tension-only line {line} has a compressive force of {push:.4g} N at {self.at(path)}: its "
                 "axial_damping acts in slack links, too; repeat the run with half of it and compare the results"
             )

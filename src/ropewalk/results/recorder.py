@@ -16,14 +16,12 @@ import numpy as np
 
 from ropewalk.checkpoint import Tree
 from ropewalk.results import checksums, contract
-from ropewalk.results.files import WriteError, beside, open_result
+from ropewalk.results.files import WriteError, alone, beside, check_target, open_result
 from ropewalk.results.frame import Array, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.labelled import of_frames
-from ropewalk.results.past import Past
-from ropewalk.results.slots import Slots, cut, digests
-from ropewalk.results.target import alone, check_target
-from ropewalk.results.verdict import Watch
+from ropewalk.results.slots import Past, Slots, cut, digests
+from ropewalk.results.verdict import Verdict
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,13 +34,7 @@ SLOW_FRAME = 0.1  # frames that come more slowly, in s, are written at once: it 
 BLOCK_BYTES = 1_000_000  # frames wait in memory up to this size: fewer and larger writes
 BLOCK_ROWS = 512
 _CUT_SHORT = ("interrupted", "failed")  # outcomes of runs that did not come to where they were before
-_METADATA = (
-    "method",
-    "reason",
-    "step",
-    "doubts",
-    "warnings",
-)  # attributes that are kept up to date while a run continues
+_METADATA = ("method", "reason", "step", "doubts", "warnings")  # kept up to date while a run continues
 RESERVE = 16 * 1024  # bytes kept free in the header for attributes that grow, or else the data would have to move
 
 
@@ -77,14 +69,14 @@ class Recorder:
         if layout.path not in contract.PATHS:
             raise ValueError(f"the leading dimension is one of {', '.join(contract.PATHS)}, not {layout.path!r}")
         self._run_info = run_info
-        self._watch = Watch(layout, scenario)
+        self._verdict = Verdict(layout, scenario)
         self._shapes = contract.shapes(layout)
         self._result: xr.Dataset | None = None
         self._closed = False
         fixed = contract.scenario_attributes(scenario)
         if past is not None:
             for frames in past.frames(layout):
-                self._watch.see(frames)
+                self._verdict.see(frames)
         kept = None if run is None or file is None else partial(_checkpoint, digests(scenario), run_info, run)
         self._store: _Store = (
             _Memory(layout, fixed, run) if file is None else _File(layout, fixed, file, run, kept, past, opened)
@@ -112,7 +104,7 @@ class Recorder:
             given = frames.of[name].shape[1:] if name in frames.of else None
             if given != shape and not (given is None and 0 in shape):
                 raise ValueError(f"frame {self.frames}: {name} has shape {given}, the layout requires {shape}")
-        self._watch.see(frames)
+        self._verdict.see(frames)
         self._store.extend(frames, self._run_info)
 
     def close(self) -> xr.Dataset:
@@ -123,7 +115,7 @@ class Recorder:
         """
         if not self._closed:
             self._closed = True
-            self._watch.judge(self._run_info)
+            self._verdict.judge(self._run_info)
             self._run_info.conclude()
             try:
                 self._store.finish(self._run_info)
@@ -149,7 +141,7 @@ class Recorder:
         if not self._closed:
             self._closed = True
             if self.frames:
-                self._watch.judge(run_info)
+                self._verdict.judge(run_info)
                 with contextlib.suppress(WriteError):  # the problem under way is the one to report
                     self._store.finish(run_info)
             self._store.release()
@@ -411,12 +403,8 @@ def _create(path: Path, layout: Layout, attributes: dict[str, contract.Attribute
     for name in size:
         if size[name]:  # a length of zero would mean "unlimited"; `open_result` gives what is missing
             file.createDimension(name, size[name])
-    unknown: dict[str, contract.Attribute] = {
-        checksums.CHECKED: 0,
-        checksums.FRAMES: checksums.NONE,
-        checksums.HEAD: checksums.NONE,
-    }
-    file.setncatts({**_storable({**attributes, **unknown}), "reserve": " " * RESERVE})
+    unknown = {checksums.FRAMES: checksums.NONE, checksums.HEAD: checksums.NONE, "reserve": " " * RESERVE}
+    file.setncatts(_storable({**attributes, checksums.CHECKED: 0, **unknown}))
     for name, quantity in contract.COORDINATES.items():
         if all(size[d] for d in quantity.dims):
             _write_coordinate(file, name, quantity, contract.coordinate_values(layout)[name])

@@ -9,7 +9,6 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from datetime import date
-from itertools import groupby
 from string import Template
 from typing import TYPE_CHECKING, Any
 
@@ -18,10 +17,12 @@ import numpy as np
 from ropewalk.errors import ScenarioError
 from ropewalk.model.writing import brief
 from ropewalk.results.contact_statistics import analysed_stations, scenario_of
-from ropewalk.results.display_units import Column, DisplayUnits, number
+from ropewalk.results.display_units import Column, DisplayUnits, Row, number
+from ropewalk.results.dropper_lengths import equal_spans
+from ropewalk.results.extremes import Summary
 from ropewalk.results.figures import figure, rows_of_panels
-from ropewalk.results.statistics import Summary, summary
-from ropewalk.results.table import Row, rows
+from ropewalk.results.statistics import summary
+from ropewalk.results.table import rows
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -288,11 +289,8 @@ def _spans(name: str, line: OverheadLine, found: Summary) -> Iterator[Cells]:
 
 def _dropper_lengths(droppers: Summary) -> list[Cells]:
     """Lengths of droppers in their order, m, a row for each group of adjacent spans with the same ones."""
-    spans = groupby(droppers.items(), key=lambda item: item[0].split(".")[1])
-    lengths = [(span, [one["length"] for _, one in own]) for span, own in spans]
-    texts = [(span, ", ".join(f"{length:.3f}" for length in own)) for span, own in lengths if None not in own]
-    groups = [(text, [span for span, _ in own]) for text, own in groupby(texts, key=lambda item: item[1])]
-    return [(" to ".join(dict.fromkeys((spans[0], spans[-1]))), text) for text, spans in groups]
+    groups = equal_spans(droppers, lambda length: "–" if length is None else f"{length:.3f}")
+    return [(" to ".join(dict.fromkeys((first, last))), text) for first, last, text in groups if "–" not in text]
 
 
 def _of_overhead_line(line: OverheadLine) -> Iterator[Row]:

@@ -2,26 +2,47 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ropewalk.model.carriage import Carriage, Haul
 from ropewalk.results.contact_statistics import contacts_by_load, scenario_of
 from ropewalk.results.contract import path_name
+from ropewalk.results.extremes import Summary, largest
 from ropewalk.results.frame import Array
 from ropewalk.results.ground import heights
-from ropewalk.results.hauling import Hauling
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from ropewalk.model import Scenario
 
+
+class Hauling(NamedTuple):
+    """Tensions of a hauling rope and its counter rope, (instant,) N."""
+
+    pull: Array  # of the hauling rope at the carriage
+    drive: Array  # of the same at the drive
+    counter: Array  # of the counter rope at the carriage
+    slack_side: Array  # at the drive, on the side of the counter weight
+
+    @staticmethod
+    def of(tensions: Array) -> Hauling:
+        """Those of one carriage, (instant, end of the rope) N."""
+        return Hauling(*tensions.T)
+
+    @property
+    def ratio(self) -> Array:
+        """Tension of the one side of the drive over that of the other, 1 or more, (instant,)."""
+        one, other = np.maximum(self.drive, 1e-300), np.maximum(self.slack_side, 1e-300)
+        return np.asarray(np.maximum(one / other, other / one))
+
+
 # Part of the angle h/R by which links turn on a groove, from which on a node is taken to lie there.
 TURNS = 0.1
-
-Summary = dict[str, Any]
+_ENDS = {"max": np.nanargmax, "min": np.nanargmin}
 
 
 def ropeway_summary(dataset: xr.Dataset) -> dict[str, Any]:
@@ -51,18 +72,10 @@ def ropeway_summary(dataset: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def _both(values: Array, unit: str, dataset: xr.Dataset, of: list[str] | None = None) -> Summary | None:
+def _both(values: Array, unit: str, dataset: xr.Dataset, of: Sequence[str] = ()) -> Summary | None:
     """The largest and the least of values (instant,) or (instant, which), with when and of what; NaN is left out."""
-    if not np.isfinite(values).any():
-        return None
-    name = path_name(dataset)
-    path = dataset[name].values
-    found: Summary = {"unit": unit}
-    for key, pick in (("max", np.nanargmax), ("min", np.nanargmin)):
-        i = np.unravel_index(int(pick(values)), values.shape)
-        own: Summary = {"value": float(values[i]), "unit": unit, name: float(path[i[0]])}
-        found[key] = own | ({"of": of[int(i[1])]} if of is not None and len(i) > 1 else {})
-    return found
+    ends = {key: largest(dataset, values, unit, of, pick) for key, pick in _ENDS.items()}
+    return {"unit": unit, **ends} if ends["max"] is not None else None
 
 
 def courses(dataset: xr.Dataset) -> dict[str, dict[str, tuple[Array, str]]]:

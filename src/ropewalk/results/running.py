@@ -199,26 +199,6 @@ class StaticEngine(Protocol):
 
 
 @dataclass(frozen=True)
-class Statics:
-    """Frames between which nothing is to be remembered."""
-
-    layout: Layout
-    given: Iterator[Frame]
-    total: int
-
-    def frames(self) -> Iterator[Frame]:
-        """All of them."""
-        return self.given
-
-    def blocks(self) -> Iterator[Frames]:
-        """The same, each by itself."""
-        return (Frames.together([frame]) for frame in self.given)
-
-    def get_state(self) -> None:
-        """Nothing."""
-
-
-@dataclass(frozen=True)
 class Known:
     """Frames of all instants that come some at a time, and do not follow from one another."""
 
@@ -226,16 +206,17 @@ class Known:
     given: Iterator[Frames]
     total: int
 
-    def frames(self) -> Iterator[Frame]:
-        """The same one by one."""
-        return (frame for block in self.given for frame in block)
-
     def blocks(self) -> Iterator[Frames]:
         """All of them."""
         return self.given
 
     def get_state(self) -> None:
         """Nothing."""
+
+    @classmethod
+    def one_by_one(cls, layout: Layout, frames: Iterator[Frame], total: int) -> Known:
+        """Frames between which nothing is to be remembered, each a block."""
+        return cls(layout, (Frames.together([frame]) for frame in frames), total)
 
 
 class Run(Protocol):

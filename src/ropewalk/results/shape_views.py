@@ -10,16 +10,17 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.markers import CARETUP
+from mpl_toolkits.mplot3d.art3d import Line3DCollection
 from numpy.typing import NDArray
 
 from ropewalk.results import style
 from ropewalk.results.contract import path_name
+from ropewalk.results.declared import hanging_bodies, tied, ties
 from ropewalk.results.display_units import number
-from ropewalk.results.drawn import drawn_position
 from ropewalk.results.frame import Array
 from ropewalk.results.nets import NetTriangles, in_space, line_ends, most_deflected, net_names, triangles
+from ropewalk.results.picture import drawn_position
 from ropewalk.results.statistics import lines
-from ropewalk.results.ties import hanging_bodies, tied, ties
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -107,8 +108,7 @@ def plan(dataset: xr.Dataset, ax: Axes) -> None:
         options: dict[str, Any] = {"facecolors": height, "cmap": shade.cmap, "norm": shade.norm}
         ax.tripcolor(place[:, 0], place[:, 1], mesh.cells, **options, edgecolors="face", linewidth=0.6, zorder=1)
         bar(ax, shade, "z (m)")
-        rim: dict[str, Any] = {"colors": style.INK, "linewidths": style.THIN, "zorder": 2}
-        ax.add_collection(LineCollection(list(place[mesh.edges][..., :2]), **rim), autolim=False)
+        add_strokes(ax, place[mesh.edges][..., :2], colors=style.INK, linewidths=style.THIN, zorder=2)
     factor = _draw(dataset, ax, chosen, 1, SLIMMEST)
     style.dress(ax, "Plan", "x (m)", "y (m)")
     style.remark(ax, "true to scale" if factor == 1.0 else f"drawn {factor:g} times as wide")
@@ -116,31 +116,67 @@ def plan(dataset: xr.Dataset, ax: Axes) -> None:
 
 def _draw(dataset: xr.Dataset, ax: Axes, chosen: Chosen, up: int, flattest: float) -> float:
     """Draw lines, supports, loads and bodies over x and y (`up` 1) or z (2), and return the exaggeration."""
-    seen, ends, name = [0, up], list[int](), path_name(dataset)
+    seen = [0, up]
+    draw_lines(dataset, ax, chosen, seen)
+    flat = draw_loads(dataset, ax, ax, chosen, seen)
+    return set_scale(ax, chosen.position[..., seen], flat, flattest=flattest)
+
+
+def draw_lines(dataset: xr.Dataset, ax: Any, chosen: Chosen, seen: list[int], shade: Any = None) -> None:
+    """Draw lines at every instant, and their supports.
+
+    Args:
+        dataset: a result.
+        ax: axes, in three dimensions if `seen` has three entries.
+        chosen: instants and places.
+        seen: the axes of the result that are seen, 0 for x.
+        shade: colours of the tension at the only instant, instead of one for each instant.
+    """
+    ends, name = list[int](), path_name(dataset)
     for line in lines(dataset):
         nodes = np.flatnonzero(dataset["line"].values == line)
-        nodes = nodes[style.thinned(len(nodes), POINTS)]
-        for frame, shape, colour in zip(chosen.frames, chosen.position[:, nodes], chosen.colours, strict=False):
+        kept = style.thinned(len(nodes), POINTS)
+        for frame, place, colour in zip(chosen.frames, chosen.position[:, nodes[kept]], chosen.colours, strict=False):
+            if shade is not None:
+                links = np.flatnonzero(dataset["link_line"].values == line)[kept[:-1]]
+                options: dict[str, Any] = {"linewidths": style.sized(2.5), "capstyle": "round", "zorder": 3}
+                options["colors"] = shade.to_rgba(dataset["tension"][int(frame)].values[links])
+                add_strokes(ax, np.stack((place[:-1, seen], place[1:, seen]), axis=1), **options)
+                continue
             when = f"{word(dataset)} {number(float(dataset[name].values[frame]))} {dataset[name].attrs['units']}"
             width = style.LINE * (1.6 if frame == chosen.most and len(chosen.frames) > 2 else 1.0)
-            ax.plot(*shape[:, seen].T, color=colour, linewidth=width, label=f"_{line} at {when}", zorder=3)
+            ax.plot(*place[:, seen].T, color=colour, linewidth=width, label=f"_{line} at {when}", zorder=3)
         ends += line_ends(dataset, line).tolist()
     if ends:
         foot: dict[str, Any] = {"color": style.INK, "linestyle": "none", "zorder": 4, "clip_on": False}
-        foot |= {"marker": CARETUP if up == 2 else "s", "markersize": style.sized(8 if up == 2 else 4)}
+        foot |= {"marker": CARETUP if 2 in seen else "s", "markersize": style.sized(8 if 2 in seen else 4)}
         ax.plot(*chosen.position[0][np.ix_(ends, seen)].T, **foot)
-    for label, path, look in paths(dataset, chosen):
+
+
+def draw_loads(dataset: xr.Dataset, ax: Any, panel: Axes, chosen: Chosen, seen: list[int]) -> list[Array]:
+    """Draw loads, bodies and their ties at the instants, and return their paths, with labels on a panel."""
+    found = paths(dataset, chosen) if len(chosen.contacts) > 1 or panel is ax else []
+    for label, path, look in found:
         ax.plot(*path[:, seen].T, label=label, **look)
-    pairs, size = ties(dataset), style.sized(style.sized(26))
+        if panel is not ax:
+            panel.plot([], [], label=label, **look)
     for frame, colour in zip(chosen.frames, chosen.colours, strict=False):
         contacts, bodies = chosen.contacts[frame][:, seen], chosen.bodies[frame][:, seen]
-        tie: dict[str, Any] = {"colors": [colour], "linewidths": style.THIN}
-        ax.add_collection(LineCollection(list(tied(bodies, contacts, pairs)), **tie), autolim=False)
-        dot: dict[str, Any] = {"color": [colour], "s": size, "zorder": 5}
-        ax.scatter(contacts[:, 0], contacts[:, 1], **dot, edgecolors="white", linewidths=0.7)
-        ax.scatter(bodies[:, 0], bodies[:, 1], **dot, marker="s")
-    flat = [path[:, seen] for _, path, _ in paths(dataset, chosen)]
-    return set_scale(ax, chosen.position[..., seen], flat, flattest=flattest)
+        parts = tied(bodies, contacts, ties(dataset))
+        if len(parts):
+            add_strokes(ax, parts, colors=[colour], linewidths=style.THIN, zorder=5)
+        dot: dict[str, Any] = {"linestyle": "none", "color": colour, "markeredgecolor": "white", "zorder": 8}
+        for places, marker in ((contacts, "o"), (bodies, "s")):
+            ax.plot(*places.T, marker=marker, markersize=style.sized(6), markeredgewidth=0.7, **dot)
+    return [path[:, seen] for _, path, _ in found]
+
+
+def add_strokes(ax: Any, strokes: Array, **options: Any) -> None:
+    """Draw strokes (stroke, point, axis) m on axes in two or three dimensions."""
+    if ax.name == "3d":
+        ax.add_collection3d(Line3DCollection(strokes, **options))
+    else:
+        ax.add_collection(LineCollection(list(strokes), **options), autolim=False)
 
 
 def set_scale(ax: Axes, position: Array, curves: list[Array], space: float = 0.08, flattest: float = FLATTEST) -> float:

@@ -19,16 +19,23 @@ from ropewalk.results.contact_figure import is_of_overhead_line
 from ropewalk.results.contact_statistics import line_statistics
 from ropewalk.results.contract import path_name
 from ropewalk.results.display_units import DisplayUnits
-from ropewalk.results.film_arrays import FilmArrays
-from ropewalk.results.film_panels import MARGIN, Diagram, FlatView, ForceTrack, SpaceView, label_heights, reading
+from ropewalk.results.film_panels import (
+    MARGIN,
+    Diagram,
+    FilmArrays,
+    FlatView,
+    ForceTrack,
+    Meter,
+    SpaceView,
+    label_heights,
+    reading,
+)
 from ropewalk.results.film_symbols import SPACE, Brush, draw_symbol
 from ropewalk.results.frame import Array
-from ropewalk.results.meter import Meter
 from ropewalk.results.nets import in_space
 from ropewalk.results.picture import AROUND
-from ropewalk.results.scene import LONG
+from ropewalk.results.scene import LONG, MESH
 from ropewalk.results.shape_views import bar, shading
-from ropewalk.results.space_figure import MESH
 from ropewalk.results.tempo import Tempo
 
 if TYPE_CHECKING:

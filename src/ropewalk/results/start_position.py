@@ -9,36 +9,30 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ropewalk.model.position import position_in_x
-from ropewalk.results.frame import Array, Layout
+from ropewalk.results.frame import Array, RunInfo
 from ropewalk.results.frames import Frames
+from ropewalk.results.watch import Watch
 
 if TYPE_CHECKING:
-    from ropewalk.model import AnyLoad, Line, Scenario
+    from ropewalk.model import AnyLoad, Line
 
 _MUCH = 0.02  # of the span; to stand a foot or two off the middle of a highline is nothing to ask about
 
 
-class StartPositionWatch:
-    """Compares where loads stand in the first frame with where their starts would be along the chord.
+class StartPositionWatch(Watch):
+    """Compares where loads stand in the first frame with where their starts would be along the chord."""
 
-    Args:
-        layout: of the frames.
-        scenario: the scenario.
-    """
-
-    def __init__(self, layout: Layout, scenario: Scenario) -> None:
-        self._layout, self._scenario = layout, scenario
-        self._first: tuple[Array, Array] | None = None  # positions and xi of contacts, m
+    _first: tuple[Array, Array] | None = None  # positions and xi of contacts, m
 
     def see(self, frames: Frames) -> None:
         """Take note of frames."""
         if self._first is None:
             self._first = frames.of["contact_position"][0].copy(), frames.of["contact_xi"][0].copy()
 
-    def messages(self) -> Iterator[str]:
+    def messages(self, run_info: RunInfo) -> Iterator[str]:
         """Yield a warning for each load that stands elsewhere by a relevant part of the span."""
-        for name, load in self._scenario.loads.items():
-            line, travel = self._scenario.lines.get(load.on), getattr(load, "travel", load)
+        for name, load in self.scenario.loads.items():
+            line, travel = self.scenario.lines.get(load.on), getattr(load, "travel", load)
             if (
                 line is None
                 or position_in_x(load) is not None
@@ -70,13 +64,13 @@ class StartPositionWatch:
     def _contact(self, name: str, load: AnyLoad, start: float) -> tuple[Array, float] | None:
         """Return the position of the contact that begins at the start of a load, and the last xi of its line, m."""
         assert self._first is not None
-        own = [k for k, each in enumerate(self._layout.contact_load) if each.partition(".")[0] == name]
+        own = [k for k, each in enumerate(self.loads) if each == name]
         starts = load.starts()
         pairs = list(zip(own, starts, strict=True)) if len(own) == len(starts) else [(k, starts[0]) for k in own[:1]]
         at = next((k for k, place in pairs if place.start == start), None)
         if at is None or not np.isfinite(self._first[0][at]).all():
             return None
-        nodes = self._layout.node_xi[np.array(self._layout.node_line) == load.on]
+        nodes = self.layout.node_xi[self.nodes_of(load.on)]
         return self._first[0][at], float(nodes.max(initial=0.0))
 
 

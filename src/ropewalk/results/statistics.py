@@ -15,26 +15,23 @@ from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contact_summary import contact_summary
 from ropewalk.results.contract import doubts_of, path_name
 from ropewalk.results.exchanges import exchange_summary
+from ropewalk.results.extremes import Summary, largest, span, vector
 from ropewalk.results.frame import ENERGY_FORMS, MOVES, OFF_LINE, Array
+from ropewalk.results.hanging import payload_summary
 from ropewalk.results.joint_statistics import joint_summary
 from ropewalk.results.line_response import response_summary
-from ropewalk.results.net_statistics import net_summary
-from ropewalk.results.nets import net_names
+from ropewalk.results.nets import net_names, net_summary
 from ropewalk.results.own_way import friction_of_steps, last_place, lowest_place, steps
-from ropewalk.results.payload_statistics import payload_summary
 from ropewalk.results.peaks import impulses
-from ropewalk.results.people import crowd_summary
 from ropewalk.results.ropeway import ropeway_summary
 from ropewalk.results.sag import Distances, sag, sideways
 from ropewalk.results.strength import strength_summary
-from ropewalk.results.trains import train_summary
+from ropewalk.results.trains import crowd_summary, train_summary
 
 if TYPE_CHECKING:
     import xarray as xr
 
 BLOCK_BYTES = 64e6  # a large result is read in pieces of this size
-
-Summary = dict[str, Any]
 
 
 def summary(dataset: xr.Dataset, only: Collection[str] | None = None) -> Summary:
@@ -85,7 +82,7 @@ def _entries(dataset: xr.Dataset) -> dict[str, Callable[[], Any]]:
 
     def of_supports() -> Summary:
         supports = enumerate(dataset["support"].values.tolist())
-        return {label: _vector(dataset, dataset["reaction"][:, k]) for k, label in supports}
+        return {label: vector(dataset, dataset["reaction"][:, k].values) for k, label in supports}
 
     warnings = str(dataset.attrs.get("warnings", "")).splitlines()
     return {
@@ -211,14 +208,9 @@ def _furthest(dataset: xr.Dataset, away: Callable[[xr.Dataset, str], Distances])
             at = np.unravel_index(int(np.nanargmax(found.value)), found.value.shape)
             if best is None or found.value[at] > best["value"]:
                 level = dataset["axis"].values.tolist()[:-1]
-                best = {
-                    "value": found.value[at],
-                    "unit": "m",
-                    "line": line,
-                    "xi": found.xi[at],
-                    **dict(zip(level, found.place[at][:-1].tolist(), strict=True)),
-                    path_name(dataset): block[path_name(block)].values[at[0]],
-                }
+                place = dict(zip(level, found.place[at][:-1].tolist(), strict=True))
+                best = {"value": found.value[at], "unit": "m", "line": line, "xi": found.xi[at], **place}
+                best[path_name(dataset)] = block[path_name(block)].values[at[0]]
     return best
 
 
@@ -227,29 +219,9 @@ def _aside(dataset: xr.Dataset, line: str) -> Distances:
     return found._replace(value=np.abs(found.value))
 
 
-def _range(values: Array) -> Summary:
-    return {"min": _reduce(np.min, values), "max": _reduce(np.max, values)}
-
-
 def _reduce(function: Pick, values: Array) -> float | None:
     kept = values[np.isfinite(values)]
     return float(function(kept)) if kept.size else None
-
-
-def _vector(dataset: xr.Dataset, force: xr.DataArray) -> Summary:
-    """Largest magnitude of a force (frame, axis) with its instant, and the range of each component."""
-    values = force.values
-    size = np.linalg.norm(values, axis=1)
-    axes = dataset["axis"].values.tolist()
-    out: Summary = {
-        "value": None,
-        "unit": "N",
-        "components": {a: _range(values[:, k]) for k, a in enumerate(axes)},
-    }
-    if np.isfinite(size).any():
-        out["value"] = np.nanmax(size)
-        out[path_name(dataset)] = dataset[path_name(dataset)].values[np.nanargmax(size)]
-    return out
 
 
 def _contact(dataset: xr.Dataset, k: int) -> Summary:
@@ -269,26 +241,24 @@ def _contact(dataset: xr.Dataset, k: int) -> Summary:
     sides = dataset["contact_tension"][:, k].values
     jump = sides[:, 1] - sides[:, 0]
     path = dataset[path_name(dataset)].values
-    tension_jump: Summary = {"value": None, "unit": "N", **_range(jump)}
+    tension_jump: Summary = {"value": None, "unit": "N", **span(jump)}
     if np.isfinite(jump).any():
         at = int(np.nanargmax(np.abs(jump)))
         tension_jump |= {"value": jump[at], path_name(dataset): path[at]}
     friction = np.asarray(dataset["contact_friction"][:, k].values)
     if steps(dataset, k):
         friction = friction_of_steps(friction, force)
-    needed: Summary = {"value": _reduce(np.max, friction), "unit": "1"}
-    if needed["value"] is not None:
-        needed[path_name(dataset)] = path[int(np.argmax(friction == needed["value"]))]
+    power = np.asarray(dataset["friction_power"][:, k].values)
     return {
         "force": {"unit": "N", **statistics},
         "impulses": blows,
         "tension_jump": tension_jump,
-        "hold_force": _vector(dataset, dataset["hold_force"][:, k]),
-        "friction_needed": needed,
+        "hold_force": vector(dataset, dataset["hold_force"][:, k].values),
+        "friction_needed": largest(dataset, friction, "1") or {"value": None, "unit": "1"},
         "share_on_line": float(np.mean(present)) if present.size else None,
         "share_in_air": _share_in_air(dataset, k),
-        "friction_power": _peak(dataset, np.asarray(dataset["friction_power"][:, k].values), "W"),
-        "friction_work": _work(path, np.asarray(dataset["friction_power"][:, k].values)),
+        "friction_power": largest(dataset, power, "W") or {"value": None, "unit": "W"},
+        "friction_work": {"value": float(np.trapezoid(np.nan_to_num(power), path)), "unit": "J"},
         "last_speed": _last_speed(dataset, k),
         "last_place": last_place(dataset, k),
         "lowest_place": lowest_place(dataset, k),
@@ -297,10 +267,9 @@ def _contact(dataset: xr.Dataset, k: int) -> Summary:
 
 def _impulse(dataset: xr.Dataset, force: Array, at: NDArray[np.intp]) -> Summary | None:
     """The largest force of an impulse that is left out of the statistics; it is the impulse over one step."""
-    if not at.size:
-        return None
-    size = np.linalg.norm(force[at], axis=1)
-    return {"value": size.max(), "unit": "N", path_name(dataset): dataset[path_name(dataset)].values[at[size.argmax()]]}
+    size = np.full(len(force), np.nan)
+    size[at] = np.linalg.norm(force[at], axis=1)
+    return largest(dataset, size, "N")
 
 
 def _share_in_air(dataset: xr.Dataset, k: int) -> float | None:
@@ -314,19 +283,6 @@ def _share_in_air(dataset: xr.Dataset, k: int) -> float | None:
     return float((in_air[last] - in_air[first]) / (path[last] - path[first]))
 
 
-def _peak(dataset: xr.Dataset, values: Array, unit: str) -> Summary:
-    """The largest of values over the leading dimension, with its instant."""
-    out: Summary = {"value": _reduce(np.max, values), "unit": unit}
-    if out["value"] is not None:
-        out[path_name(dataset)] = dataset[path_name(dataset)].values[np.nanargmax(values)]
-    return out
-
-
-def _work(path: Array, power: Array) -> Summary:
-    """What a power sampled at the outputs comes to, J."""
-    return {"value": float(np.trapezoid(np.nan_to_num(power), path)), "unit": "J"}
-
-
 def _last_speed(dataset: xr.Dataset, k: int) -> Summary | None:
     """The speed at the last output before a load leaves its line or stops; None if it does neither, or never moves."""
     state, speed = dataset["contact_state"][:, k].values, dataset["contact_speed"][:, k].values
@@ -338,24 +294,15 @@ def _last_speed(dataset: xr.Dataset, k: int) -> Summary | None:
 
 
 def _energy(dataset: xr.Dataset) -> Summary:
-    energy, path = dataset["energy"].values, dataset[path_name(dataset)].values
+    energy = dataset["energy"].values
     if not len(energy):
-        return {
-            "unit": "J",
-            "final": dict.fromkeys(ENERGY_FORMS),
-            "always_zero": [],
-            "turnover": None,
-            "largest_imbalance": None,
-            "audit": "",
-        }
+        nothing = dict.fromkeys(("turnover", "largest_imbalance"))
+        return {"unit": "J", "final": dict.fromkeys(ENERGY_FORMS), "always_zero": [], **nothing, "audit": ""}
     moved = float(np.max(turnover(energy)))
     audit = np.abs(energy[:, ENERGY_FORMS.index(AUDIT)])
-    worst: Summary | None = None
-    if np.isfinite(audit).any():
-        at = int(np.nanargmax(audit))
-        counts = moved > 0.0 and audit[at] > rounding(scenario_of(dataset), energy)
-        relative = audit[at] / moved if counts else None  # of rounding size: no part of anything
-        worst = {"value": audit[at], "unit": "J", "relative": relative, path_name(dataset): path[at]}
+    if (worst := largest(dataset, audit, "J")) is not None:
+        counts = moved > 0.0 and worst["value"] > rounding(scenario_of(dataset), energy)
+        worst["relative"] = worst["value"] / moved if counts else None  # of rounding size: no part of anything
     final = dict(zip(ENERGY_FORMS, energy[-1].tolist(), strict=True))
     idle = [form for form, values in zip(ENERGY_FORMS, energy.T, strict=True) if not values.any()]
     return {
@@ -369,14 +316,9 @@ def _mesh(dataset: xr.Dataset) -> Summary | None:
     metadata = dataset.attrs
     if "mesh" not in metadata:
         return None
-    errors = {
-        key: metadata.get(name, math.nan)
-        for key, name in (("error", "mesh_error"), ("of_contacts", "mesh_error_of_contacts"))
-    }
-    return {
-        "told": metadata["mesh"], "order": metadata.get("mesh_order", math.nan),
-        **{key: {"value": value, "unit": "m"} for key, value in errors.items()},
-    }  # fmt: skip
+    names = {"error": "mesh_error", "of_contacts": "mesh_error_of_contacts"}
+    errors = {key: {"value": metadata.get(name, math.nan), "unit": "m"} for key, name in names.items()}
+    return {"told": metadata["mesh"], "order": metadata.get("mesh_order", math.nan), **errors}
 
 
 def _method(dataset: xr.Dataset) -> Summary:

@@ -10,8 +10,9 @@ import numpy as np
 
 from ropewalk.model.net import AnyNet, Membrane
 from ropewalk.model.plausibility import StrainRange, known_strain, strain_range
-from ropewalk.results.frame import Layout
+from ropewalk.results.frame import RunInfo
 from ropewalk.results.frames import Frames
+from ropewalk.results.watch import Watch
 
 if TYPE_CHECKING:
     from ropewalk.model import Scenario
@@ -19,16 +20,11 @@ if TYPE_CHECKING:
 _EPS = 1e-9
 
 
-class StrainRangeWatch:
-    """Watches lines, overhead wires and surfaces for the strain that is farthest beyond the range of its law.
+class StrainRangeWatch(Watch):
+    """Watches lines, overhead wires and surfaces for the strain that is farthest beyond the range of its law."""
 
-    Args:
-        layout: of the frames.
-        scenario: the scenario.
-    """
-
-    def __init__(self, layout: Layout, scenario: Scenario) -> None:
-        self._layout, self._scenario = layout, scenario
+    def _prepare(self) -> None:
+        layout, scenario = self.layout, self.scenario
         names = list(dict.fromkeys(layout.link_line))
         self._ranges = {name: _range_of(scenario, name) for name in names}
         self._low = np.array([self._ranges[name].low for name in layout.link_line])
@@ -42,7 +38,7 @@ class StrainRangeWatch:
     def see(self, frames: Frames) -> None:
         """Take note of frames."""
         for name, stiffness in self._widths.items():
-            pull = np.nan_to_num(frames.of["cell_tension"][:, np.array(self._layout.cell_net) == name].max(axis=(1, 2)))
+            pull = np.nan_to_num(frames.of["cell_tension"][:, np.array(self.layout.cell_net) == name].max(axis=(1, 2)))
             most = int(pull.argmax())
             found = float(pull[most]) / stiffness, float(pull[most]), float(frames.path[most])
             self._surfaces[name] = max(self._surfaces.get(name, found), found)
@@ -50,8 +46,8 @@ class StrainRangeWatch:
         beyond = np.maximum(strain - self._high, self._low - strain)
         if not beyond.size or beyond.max() <= _EPS:
             return
-        for name in {self._layout.link_line[int(link)] for link in np.flatnonzero((beyond > _EPS).any(axis=0))}:
-            own = np.flatnonzero(np.array(self._layout.link_line) == name)
+        for name in {self.layout.link_line[int(link)] for link in np.flatnonzero((beyond > _EPS).any(axis=0))}:
+            own = self.links_of(name)
             i, k = np.unravel_index(int(beyond[:, own].argmax()), (len(frames), own.size))
             link, value = int(own[k]), float(beyond[i, own[k]])
             if value > self._worst.get(name, (0.0,))[0]:
@@ -60,18 +56,17 @@ class StrainRangeWatch:
 
     def _x(self, position: np.ndarray, name: str, link: int) -> float:
         """Return x of the middle of a link, m."""
-        own = np.flatnonzero(np.array(self._layout.node_line) == name)
-        return float(np.interp(self._layout.link_xi[link], self._layout.node_xi[own], position[own, 0]))
+        own = self.nodes_of(name)
+        return float(np.interp(self.layout.link_xi[link], self.layout.node_xi[own], position[own, 0]))
 
-    def messages(self) -> Iterator[str]:
+    def messages(self, run_info: RunInfo) -> Iterator[str]:
         """Yield a warning for each line, with place, instant, strain, tension, limit and remedy."""
-        when, unit = ("t =", "s") if self._layout.path == "time" else ("load path", "m")
         for name, (strain, pull, path) in self._surfaces.items():
-            known_high, reason = known_strain(_speed(self._scenario.nets[name]))
+            known_high, reason = known_strain(_speed(self.scenario.nets[name]))
             if strain > known_high:
                 yield (
-                    f"{name} has a strain of about {100.0 * strain:.3g} % and a tension of {pull:.4g} N/m, {when} "
-                    f"{path:.4g} {unit}; its law is known up to {100.0 * known_high:.3g} % ({reason}): check "
+                    f"{name} has a strain of about {100.0 * strain:.3g} % and a tension of {pull:.4g} N/m, "
+                    f"{self.at(path)}; its law is known up to {100.0 * known_high:.3g} % ({reason}): check "
                     f"nets.{name} and the loads for mistaken units"
                 )
         for name, (_, strain, link, path, pull, x) in self._worst.items():
@@ -79,8 +74,8 @@ class StrainRangeWatch:
             limit = known.high if strain > 0.0 else known.low
             yield (
                 f"{name} has a strain of {100.0 * strain:.3g} % and a tension of {pull:.4g} N at x = {x:.4g} m, "
-                f"xi = {self._layout.link_xi[link]:.4g} m, {when} {path:.4g} {unit}; its law is known up to "
-                f"{100.0 * limit:.3g} % ({known.reason}): {_remedy(self._scenario, name)}"
+                f"xi = {self.layout.link_xi[link]:.4g} m, {self.at(path)}; its law is known up to "
+                f"{100.0 * limit:.3g} % ({known.reason}): {_remedy(self.scenario, name)}"
             )
 
 

@@ -9,8 +9,9 @@ import numpy as np
 
 from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contract import path_name
-from ropewalk.results.frame import Array, Doubt, Layout
+from ropewalk.results.frame import Array, Doubt, RunInfo
 from ropewalk.results.frames import Frames
+from ropewalk.results.watch import Watch
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,17 +24,12 @@ def strengths(scenario: Scenario) -> dict[str, float]:
     return {name: line.strength for name, line in scenario.lines.items() if line.strength is not None}
 
 
-class StrengthWatch:
-    """Watches tensions of lines for the first that their strength does not bear.
+class StrengthWatch(Watch):
+    """Watches tensions of lines for the first that their strength does not bear."""
 
-    Args:
-        layout: of the frames.
-        scenario: the scenario.
-    """
-
-    def __init__(self, layout: Layout, scenario: Scenario) -> None:
-        self._layout, self._of = layout, strengths(scenario)
-        self._links = {name: np.array([line == name for line in layout.link_line]) for name in self._of}
+    def _prepare(self) -> None:
+        self._of = strengths(self.scenario)
+        self._links = {name: self.links_of(name) for name in self._of}
         self._first = dict[str, tuple[float, float, float]]()  # path, xi in m, tension in N
 
     def see(self, frames: Frames) -> None:
@@ -43,14 +39,13 @@ class StrengthWatch:
             over = np.flatnonzero((pull > strength).any(axis=1))
             if name not in self._first and over.size:
                 i, link = int(over[0]), int(np.nanargmax(pull[over[0]]))
-                xi = float(self._layout.link_xi[self._links[name]][link])
+                xi = float(self.layout.link_xi[self._links[name]][link])
                 self._first[name] = float(frames.path[i]), xi, float(pull[i, link])
 
-    def doubts(self) -> Iterator[Doubt]:
+    def doubts(self, run_info: RunInfo) -> Iterator[Doubt]:
         """Lines that would have failed."""
-        when, unit = ("t = ", "s") if self._layout.path == "time" else ("load path ", "m")
         for name, (path, xi, pull) in self._first.items():
-            what = f"line {name} would break {xi:.4g} m from its start, at {when}{path:.4g} {unit}"
+            what = f"line {name} would break {xi:.4g} m from its start, at {self.at(path)}"
             cause = f"its tension of {pull:.4g} N exceeds its strength of {self._of[name]:.4g} N; it stays intact"
             remedy = f"increase strength, reduce the load, or write cut: {{at: {xi:.4g} m, ...}} to compute the failure"
             yield Doubt(what, cause, f"lines.{name}.strength", remedy)

@@ -7,19 +7,15 @@ from functools import partial
 from typing import Any
 
 from ropewalk.results.after_start import rows_after_start
-from ropewalk.results.display_units import Column, DisplayUnit, DisplayUnits, number, quantities
+from ropewalk.results.display_units import NOTHING, Column, DisplayUnit, DisplayUnits, Row, number, quantities
 from ropewalk.results.dropper_lengths import length_rows
+from ropewalk.results.extremes import Summary
 from ropewalk.results.joint_statistics import joint_rows
 from ropewalk.results.own_way import place_rows
-from ropewalk.results.statistics import Summary
-
-Row = tuple[str, str, str]
-"""What, how much, where and when."""
 
 SUPPORTS, LARGEST = 8, 3  # with more supports than this only so many of them get a row
 ROUND_OFF = 1e-9  # m: what is no further aside has not left its plane, what is lifted no higher is at rest
 ZERO = 1e-9  # of the largest of its kind: what is no larger is rounding, and written as zero
-NOTHING = 1e-5  # of the largest of its kind: what is no larger gets no row
 _PULLS = 0.01  # of the largest one, from which on a force upwards is distinguished
 _MOST_FRICTION = 2.0  # coefficient above which no two surfaces rub
 ENERGY_LABELS = {
@@ -88,9 +84,10 @@ def rows(found: Summary, units: DisplayUnits | None = None) -> Iterator[Row]:
     lines = column(*extremes[:2], *found["supports"].values(), found["largest_sag"], found["largest_sideways"])
     if any(extremes) or (not found["nets"] and found["largest_sag"] is not None):
         yield "Lines", "", ""
-        for key, what in _EXTREMES.items():
-            if found[key] is not None and (found[key]["value"] or found[_OTHER_END[key]]["value"]):
-                yield _quantity(what, found[key], lines, "strain" if "strain" in key else "")
+        for key in _EXTREMES:
+            pair = [found[f"{end}_{key.partition('_')[2]}"] for end in ("largest", "smallest")]
+            if found[key] is not None and any(one["value"] for one in pair):  # zero all along gets no row
+                yield _quantity(key.replace("_", " "), found[key], lines, "strain" if "strain" in key else "")
         for name, most in found["tension_over_strength"].items():
             where = f"{name} at xi = {lines.place(most['xi'])}"
             yield "largest tension over strength", number(most["value"], 3), "  ".join((where, *lines.when(most)))
@@ -149,19 +146,7 @@ def rows(found: Summary, units: DisplayUnits | None = None) -> Iterator[Row]:
     yield from _method_rows(found["method"], column())
 
 
-_EXTREMES = {
-    "largest_tension": "largest tension",
-    "smallest_tension": "smallest tension",
-    "largest_strain": "largest strain",
-    "smallest_strain": "smallest strain",
-}
-
-_OTHER_END = {
-    "largest_tension": "smallest_tension",
-    "smallest_tension": "largest_tension",
-    "largest_strain": "smallest_strain",
-    "smallest_strain": "largest_strain",
-}  # what is zero from one end to the other gets no row
+_EXTREMES = ("largest_tension", "smallest_tension", "largest_strain", "smallest_strain")
 
 
 def _quantity(what: str, found: Summary, say: Column, unit: str = "") -> Row:
@@ -176,12 +161,8 @@ def _net_rows(name: str, net: Summary, say: Column) -> Iterator[Row]:
         if net[key] is not None:
             yield f"{what} tension per width", say(net[key]["value"], "N/m"), _place(net[key], say)
     if net["slack"] is not None and net["slack"]["value"]:
-        sentence = "of the triangles pull in one direction at most"
-        yield (
-            "slack, at most",
-            f"{number(100 * net['slack']['value'], 2)} %",
-            "  ".join((sentence, *say.when(net["slack"]))),
-        )
+        where = "  ".join(("of the triangles pull in one direction at most", *say.when(net["slack"])))
+        yield "slack, at most", f"{number(100 * net['slack']['value'], 2)} %", where
     if net["largest_sag"] is not None:
         yield "largest sag", say(net["largest_sag"]["value"], "m"), _place(net["largest_sag"], say)
     yield "nodes", f"{net['nodes']}", f"{net['cells']} triangles"
@@ -192,20 +173,13 @@ def _place(found: Summary, say: Column) -> str:
     return "  ".join((f"at {where}", *say.when(found)))
 
 
-def _components(force: Summary, say: Column) -> Iterator[str]:
-    """The ranges of the components that are anything compared with the whole."""
-    for axis, span in force["components"].items():
-        if span["min"] is not None and max(abs(span["min"]), abs(span["max"])) > NOTHING * force["value"]:
-            yield f"{axis}: {say.span(span['min'], span['max'], 'N')}"
-
-
 def _support_rows(supports: Summary, say: Column) -> Iterator[Row]:
     """All supports, or the largest forces and the range of many."""
     many = len(supports) > SUPPORTS
     order = sorted(supports, key=lambda name: -(supports[name]["value"] or 0.0))[:LARGEST] if many else list(supports)
     for name in order:
         force = supports[name]
-        yield name, say(force["value"], "N"), "  ".join((*say.when(force), *_components(force, say)))
+        yield name, say(force["value"], "N"), say.instant_and_components(force)
     if many:
         sizes = [force["value"] for force in supports.values() if force["value"] is not None]
         least, most = min(sizes, default=None), max(sizes, default=None)
@@ -234,12 +208,8 @@ def _pantograph_rows(name: str, found: Summary, say: Column) -> Iterator[Row]:
     if value["target"] is not None:
         target = f"{number(value['target_ratio'], 3)} of the target {say(value['target'], 'N')}"
     yield "mean contact force Fm", say(value["mean"], "N"), target
-    low, high = say(value["deviation_low"], "N", 3), say(value["deviation_high"], "N", 3)
-    yield (
-        f"sigma, 0-{limit:g} Hz",
-        say(value["deviation"], "N", 3),
-        (f"0-{between:g} Hz: {low}  {between:g}-{limit:g} Hz: {high}"),
-    )
+    sigma, low, high = (say(value[f"deviation{band}"], "N", 3) for band in ("", "_low", "_high"))
+    yield f"sigma, 0-{limit:g} Hz", sigma, f"0-{between:g} Hz: {low}  {between:g}-{limit:g} Hz: {high}"
     yield "sigma / Fm", number(value["relative_deviation"], 3), ""
     yield "Fm - 3 sigma, Fm + 3 sigma", say.span(value["statistical_minimum"], value["statistical_maximum"], "N"), ""
     for key, what in (("maximum", "largest"), ("minimum", "smallest")):
@@ -339,7 +309,7 @@ def _contact_rows(name: str, contact: Summary, say: Column, largest: float) -> I
         yield "largest tension jump", say(jump["value"], "N"), "  ".join(say.when(jump))
     hold = contact["hold_force"]
     if (hold["value"] or 0.0) > NOTHING * largest:
-        yield "largest hold force", say(hold["value"], "N"), "  ".join((*say.when(hold), *_components(hold, say)))
+        yield "largest hold force", say(hold["value"], "N"), say.instant_and_components(hold)
     if ((needed := contact["friction_needed"])["value"] or 0.0) > NOTHING:
         beyond = ("larger than for dry surfaces: requires a clamp",) if needed["value"] > _MOST_FRICTION else ()
         yield "friction coefficient needed", number(needed["value"], 3), "  ".join((*say.when(needed), *beyond))

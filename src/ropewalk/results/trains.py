@@ -1,19 +1,21 @@
-"""What trains go through, told of each as a whole: axles on the line, contact forces, accelerations of vehicles."""
+"""Trains and crowds, each as a whole: axles and people on the line, contact forces, accelerations of vehicles."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ropewalk.mechanics.multibody_system import static_loads
 from ropewalk.model.axles import Axles
+from ropewalk.model.crowd import Crowd
 from ropewalk.model.train import Train, TrainVehicle
 from ropewalk.results.contact_statistics import contacts_by_load, scenario_of
 from ropewalk.results.contract import path_name
+from ropewalk.results.extremes import largest
 from ropewalk.results.frame import Array
 from ropewalk.results.line_response import accelerations
-from ropewalk.results.people import crowds_in
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,9 +26,32 @@ def trains_in(dataset: xr.Dataset) -> dict[str, list[int]]:
     return contacts_by_load(dataset, Axles, Train)
 
 
+def crowds_in(dataset: xr.Dataset) -> dict[str, list[int]]:
+    """The contacts of each crowd, by its name."""
+    return contacts_by_load(dataset, Crowd)
+
+
 def grouped_contacts(dataset: xr.Dataset) -> set[int]:
     """Return the numbers of contacts that belong to trains and crowds, whose single axles and feet are not drawn."""
     return {k for own in (*trains_in(dataset).values(), *crowds_in(dataset).values()) for k in own}
+
+
+def crowd_summary(dataset: xr.Dataset) -> dict[str, Any]:
+    """Of each crowd how many there are, how many at most on the line, and what they press with on it, in all."""
+    out = {}
+    for name, own in crowds_in(dataset).items():
+        there, total = _pressing(dataset, own)
+        people = there.reshape(len(there), -1, 2).any(axis=2).sum(axis=1)
+        load = {"unit": "N", "max": float(total.max(initial=0.0)), "mean": float(total.sum()) / max(total.size, 1)}
+        out[name] = {"people": len(own) // 2, "most_on_line": int(people.max(initial=0)), "load": load}
+    return out
+
+
+def _pressing(dataset: xr.Dataset, own: list[int]) -> tuple[NDArray[np.bool_], Array]:
+    """Which contacts are on the line, (frame, contact), and what all of them press with, (frame,) N."""
+    there = np.isfinite(dataset["contact_xi"].values[:, own])
+    pressing = np.nan_to_num(-dataset["contact_force"].values[:, own, -1])
+    return there, np.where(there, pressing, 0.0).sum(axis=1)
 
 
 def train_summary(dataset: xr.Dataset) -> dict[str, Any]:
@@ -38,9 +63,7 @@ def train_summary(dataset: xr.Dataset) -> dict[str, Any]:
     scenario, out, path = scenario_of(dataset), {}, dataset[path_name(dataset)].values
     unit = str(dataset[path_name(dataset)].attrs["units"])
     for name, own in trains_in(dataset).items():
-        pressing = -dataset["contact_force"].values[:, own, -1]
-        there = np.isfinite(pressing)
-        total = np.where(there, pressing, 0.0).sum(axis=1)
+        there, total = _pressing(dataset, own)
         on = np.flatnonzero(there.any(axis=1))
         out[name] = {
             "axles": len(own), "most_on_line": int(there.sum(axis=1).max(initial=0)),
@@ -68,12 +91,11 @@ def _forces(dataset: xr.Dataset, own: list[int], load: Train) -> dict[str, Any]:
         pressing[(place < nodes[1]) | (place > nodes[-2])] = np.nan
     static = np.array(static_loads(load.whole))
     unloading = 1.0 - pressing / static
-    if (least := _extreme(dataset, -pressing, "N", names)) is not None:
-        least["value"] *= -1.0
     return {
-        "largest_force": _extreme(dataset, pressing, "N", names), "least_force": least,
-        "unloading": _extreme(dataset, unloading, "1", names),
-    }  # fmt: skip
+        "largest_force": largest(dataset, pressing, "N", names),
+        "least_force": largest(dataset, pressing, "N", names, np.nanargmin),
+        "unloading": largest(dataset, unloading, "1", names),
+    }
 
 
 def _accelerations(dataset: xr.Dataset, name: str, load: Train, cut_off: float) -> dict[str, Any]:
@@ -88,7 +110,7 @@ def _accelerations(dataset: xr.Dataset, name: str, load: Train, cut_off: float) 
     values = accelerations(dataset, "body_velocity", found, cut_off) if found else None
     if values is None:
         return {"acceleration": None}
-    return {"acceleration": _extreme(dataset, np.abs(values), "m/s^2", [known[k] for k in found])}
+    return {"acceleration": largest(dataset, np.abs(values), "m/s^2", [known[k] for k in found])}
 
 
 def _borne(vehicle: TrainVehicle) -> set[str]:
@@ -100,12 +122,3 @@ def _borne(vehicle: TrainVehicle) -> set[str]:
 
 def _heaviest(vehicle: TrainVehicle, among: set[str]) -> str:
     return max(among, key=lambda body: vehicle.bodies[body].mass, default="")
-
-
-def _extreme(dataset: xr.Dataset, values: Array, unit: str, names: list[str]) -> dict[str, Any] | None:
-    """The largest of values (frame, which), of whom and when."""
-    if not np.isfinite(values).any():
-        return None
-    frame, which = np.unravel_index(int(np.nanargmax(values)), values.shape)
-    when = dataset[path_name(dataset)].values[frame]
-    return {"value": float(values[frame, which]), "unit": unit, "of": names[which], path_name(dataset): when}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,11 +14,9 @@ from ropewalk.results.after_start import falls
 from ropewalk.results.attachments import AttachmentWatch
 from ropewalk.results.audit import ROUNDING
 from ropewalk.results.axial_restraint import AxialRestraintWatch
-from ropewalk.results.calm import started_too_close
 from ropewalk.results.close_contacts import CloseContactsWatch
 from ropewalk.results.contact_order import ContactOrderWatch
 from ropewalk.results.energy_balance import RESIDUAL, EnergyWatch
-from ropewalk.results.foundation_step import phase_warnings
 from ropewalk.results.frame import OFF_LINE, Array, Doubt, Frame, Layout, RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.given_tension import GivenTensionWatch
@@ -28,20 +26,22 @@ from ropewalk.results.lifted_rope import LiftedRopeWatch
 from ropewalk.results.lost_contact import LostContactWatch
 from ropewalk.results.peaks import beside, lonely, missed, sharp, too_far_apart
 from ropewalk.results.pushing import PushWatch
-from ropewalk.results.roof_springs import stiff_below
+from ropewalk.results.scenario_warnings import blows_at_once, phase_warnings, started_too_close, stiff_below
 from ropewalk.results.start_position import StartPositionWatch
 from ropewalk.results.strain_range import StrainRangeWatch
 from ropewalk.results.strength import StrengthWatch
-from ropewalk.results.sudden_wind import blows_at_once
+from ropewalk.results.watch import Watch
 
 if TYPE_CHECKING:
     from ropewalk.model import AnyLoad, Scenario
 
-WATCHES = (
-    StrainRangeWatch, AxialRestraintWatch, StartPositionWatch, PushWatch, GroundWatch, LostContactWatch, HangingWatch,
-    GivenTensionWatch,
+WATCHES: tuple[type[Watch], ...] = (
+    StrengthWatch, LiftedRopeWatch, CloseContactsWatch, ContactOrderWatch, StrainRangeWatch, AxialRestraintWatch,
+    StartPositionWatch, PushWatch, GroundWatch, LostContactWatch, HangingWatch, GivenTensionWatch,
 )  # fmt: skip
-"""Watches that see all frames and have warnings at the end."""
+"""Watches of a single question each."""
+OF_SCENARIOS = (started_too_close, stiff_below, blows_at_once, implausible)
+"""Warnings that need no frames."""
 VANISHING = 1e-100  # N: linearised motion begins with a little more than nothing
 UNBALANCED = 1e-3  # of all weights: what the support forces at rest may miss
 NOTHING = 1e-10  # of the largest tension, or of the weight of the line: a load that presses less does not press
@@ -53,8 +53,8 @@ _COUNTS = 0.3  # part of the largest tension of all lines, from which on the pea
 _AT_ONCE = 0.1  # of its largest force: with what a load is set down suddenly that may grow
 
 
-class Watch:
-    """Watches the frames of a run, and judges it at the end; of each frame it keeps the forces only.
+class Verdict(Watch):
+    """Sees the frames of a run, and judges it at the end; of each frame it keeps the forces only.
 
     Args:
         layout: of the frames.
@@ -62,18 +62,13 @@ class Watch:
     """
 
     def __init__(self, layout: Layout, scenario: Scenario) -> None:
-        self.layout, self.scenario = layout, scenario
-        self.loads = [name.partition(".")[0] for name in layout.contact_load]
-        contacts = len(self.loads)
-        self._slowness = np.array([self._slowness_of(name) for name in self.loads])  # (contact,) (kg/m)^(1/2)
+        super().__init__(layout, scenario)
         self._at_start: tuple[Array, Array] = np.zeros(0), np.zeros(0)  # states and xi of contacts in the first frame
-        self._been = np.zeros(contacts, dtype=np.bool_)  # contacts that have been on their lines
+        self._been = np.zeros(len(self.loads), dtype=np.bool_)  # contacts that have been on their lines
         self._missing = 0.0, 0.0  # support forces at rest without what they carry, and that, N
-        self._attachments, self._strengths = AttachmentWatch(layout, scenario), StrengthWatch(layout, scenario)
+        self._attachments = AttachmentWatch(layout, scenario)
         self._energy = EnergyWatch(layout, scenario, self._attachments)
-        self._watches = tuple(watch(layout, scenario) for watch in WATCHES)
-        self._lifted_rope, self._close = LiftedRopeWatch(layout, scenario), CloseContactsWatch(layout, scenario)
-        self._order = ContactOrderWatch(layout, scenario)
+        self._watches = [watch(layout, scenario) for watch in WATCHES]
         self._force = array("d")  # on the line, of each sample and contact, N
         self._instants = array("d")  # of these samples, s
         self._tension = array("d")  # largest, of each frame, N
@@ -89,12 +84,9 @@ class Watch:
             self._at_start = state[0].copy(), of["contact_xi"][0].copy()
         for i in range(len(frames) if self.layout.path == "load_path" else int(not self._times)):
             self._rest(frames[i], on[i])
-        self._strengths.see(frames)
-        for watch in (*self._watches, self._lifted_rope, self._close, self._order):
+        for watch in (*self._watches, self._attachments, self._energy):
             watch.see(frames)
         self._been |= on.any(axis=0)
-        self._attachments.see(frames)
-        self._energy.see(frames, self._in_waves(of))
         pull = of["tension"]
         pull = np.where(np.isfinite(pull), pull, 0.0)
         self._tension.extend(pull.max(axis=1, initial=0.0))
@@ -116,23 +108,16 @@ class Watch:
             run_info.warnings[:] = [text for text in run_info.warnings if not text.startswith(RESIDUAL)]  # of a part
             force = np.array(self._force).reshape(len(self._instants), len(self.loads))
             run_info.doubts += [doubt for doubt in self._doubts(run_info, force) if doubt not in run_info.doubts]
-            found = [
-                *self._diagnostics(run_info, force),
-                *self._close.messages(run_info),
-                *phase_warnings(self.scenario, run_info),
-            ]
+            found = self._warnings(run_info, force)
             run_info.warnings += [warning for warning in found if warning not in run_info.warnings]
 
     def _doubts(self, run_info: RunInfo, force: Array) -> Iterator[Doubt]:
         yield from self._absent(force)
-        yield from self._strengths.doubts()
-        yield from self._lifted_rope.doubts()
-        yield from self._close.doubts(run_info)
-        yield from self._order.doubts()
+        for watch in self._watches:
+            yield from watch.doubts(run_info)
         if self.layout.path == "time":
-            yield from (attached := list(self._attachments.doubts(force)))
-            if not run_info.audit and len(self._times) > 1:
-                yield from self._energy.findings(run_info)[0]
+            yield from (attached := list(self._attachments.findings(force)))
+            yield from self._energy.doubts(run_info)
             yield from self._single_steps(force, {doubt.key for doubt in attached})
         missing, carried = self._missing
         if missing > max(UNBALANCED * carried, VANISHING):
@@ -163,18 +148,6 @@ class Watch:
     def _begins_at_rest(self) -> bool:
         run = self.scenario.run
         return run.kind == "equilibrium" or (run.kind == "dynamic" and run.start.kind == "rest")
-
-    def _in_waves(self, of: Mapping[str, Array]) -> Array:
-        """Speeds of contacts over those of transverse waves in the looser part next to them; zero where unknown."""
-        pull, speed = of["contact_tension"].min(axis=2), np.abs(of["contact_speed"])
-        known = np.isfinite(pull) & (speed > 0.0)
-        return np.where(known, speed * self._slowness / np.sqrt(np.where(known, np.maximum(pull, 1e-300), 1.0)), 0.0)
-
-    def _slowness_of(self, name: str) -> float:
-        """Root of the mass of the line below a load, which tells the speed of its waves; zero where there is none."""
-        load = self.scenario.loads.get(name)
-        line = self.scenario.lines.get(load.on) if load is not None else None
-        return 0.0 if line is None or line.has_bending_stiffness else float(np.sqrt(line.mass))
 
     def _absent(self, force: Array) -> Iterator[Doubt]:
         """Loads that are never on their line, or never press on it."""
@@ -226,17 +199,17 @@ class Watch:
                 what, "an impact that is shorter than the output interval", "run.every", "write a smaller run.every"
             )
 
-    def _diagnostics(self, run_info: RunInfo, force: Array) -> Iterator[str]:
-        yield from started_too_close(self.scenario)
-        yield from stiff_below(self.scenario)
-        yield from blows_at_once(self.scenario)
-        yield from implausible(self.scenario)
-        for watch in self._watches:
-            yield from watch.messages()
+    def _warnings(self, run_info: RunInfo, force: Array) -> Iterator[str]:
+        for warnings in OF_SCENARIOS:
+            yield from warnings(self.scenario)
+        for watch in (*self._watches, self._energy):
+            yield from watch.messages(run_info)
         yield from self._between_instants()
-        yield from self._lifted_rope.messages()
-        if self.layout.path == "time" and not run_info.audit and len(self._times) > 1:
-            yield from self._energy.findings(run_info)[1]
+        yield from self._set_down(force)
+        yield from phase_warnings(self.scenario, run_info)
+
+    def _set_down(self, force: Array) -> Iterator[str]:
+        """Loads that are set down suddenly at the start."""
         run = self.scenario.run
         if run.kind != "dynamic" or run.start.kind != "rest" or run.start.with_loads:
             return

@@ -207,7 +207,7 @@ class ComputingProcess:
     def _do_run(self, asked: Answer) -> Answer:
         """A run as `ropewalk run` does it: its result is written while it goes on, unless it is not to be kept."""
         from ropewalk.results import ResultError
-        from ropewalk.results.target import check_own
+        from ropewalk.results.files import check_own
 
         scenario = self._scenario(asked)
         if asked.get("unkept"):

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ropewalk.errors import did_you_mean
 from ropewalk.results import style
-from ropewalk.results.limits import SEPARATOR
+from ropewalk.results.acceptance import SEPARATOR
 from ropewalk.sweeps.dataset import counted, named
 from ropewalk.sweeps.parameters import refuse
 from ropewalk.sweeps.quantities import broken_name

@@ -16,9 +16,9 @@ from ropewalk.errors import Problem, ScenarioError, did_you_mean
 from ropewalk.mechanics.chain import Array
 from ropewalk.results import named_numbers, named_texts, series_table
 from ropewalk.results.after_start import AFTER_START
-from ropewalk.results.batch_means import half_width
 from ropewalk.results.contract import PATHS
 from ropewalk.results.line_response import LEAST as LEAST_FRAMES
+from ropewalk.sweeps.batch_means import half_width
 from ropewalk.sweeps.keys import ends_with
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ from ropewalk.model.travel import FreeTravel, Travel
 from ropewalk.model.trolley import Trolley
 from ropewalk.results.frame import RunInfo
 from ropewalk.results.frames import Frames
-from ropewalk.results.hauling import Hauling
+from ropewalk.results.ropeway import Hauling
 from ropewalk.system.assembling.assembled import Assembled
 from ropewalk.system.elements.structure import Buffers, Structure
 from ropewalk.system.reporting.sticking_friction import StickingFriction

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from ropewalk.results.batch_means import half_width
 from ropewalk.scenario import loads
 from ropewalk.simulate import simulate
+from ropewalk.sweeps.batch_means import half_width
 from ropewalk.sweeps.quantities import measured
 
 MEMORY = 0.95  # of x' = 0.95 x + noise: 39 values tell as much as one that is independent
