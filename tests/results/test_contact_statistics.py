@@ -402,7 +402,7 @@ def test_a_report_needs_nothing_else_and_tells_everything(reference):
     assert not re.search(r"https?://|<script|<link|@import|url\(", page)
     sources = re.findall(r'<img [^>]*src="([^"]{0,30})', page)
     assert set(sources) == {"data:image/png;base64,iVBORw0K"[:30]}
-    for part in ("Summary", "Figures", "Structure", "Results", "How it was computed", "Scenario"):
+    for part in ("Summary", "Figures", "Structure", "Results", "Method", "Scenario"):
         assert f"<h2>{part}</h2>" in page
     for block in ("Overhead line line", "Pantograph pantograph"):
         assert page.count(f'<th class="block" colspan="3">{block}</th>') == 2  # data, and results

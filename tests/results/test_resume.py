@@ -225,8 +225,8 @@ def attribute(file: Path, **given: object) -> None:
 @pytest.mark.parametrize(
     ("given", "until", "message"),
     [
-        ({}, None, r"is complete, up to 0.2 s; give --until with a later time"),
-        ({}, 0.1, r"goes up to 0.2 s; give --until with a later time, not 0.1 s"),
+        ({}, None, r"is complete.* 0.2 s; give --until with a later time"),
+        ({}, 0.1, r"covers 0.2 s; give --until with a later time, not 0.1 s"),
         ({"ropewalk_version": "0.0.1"}, 1.0, r"was written by ropewalk 0.0.1, this is .*; run it again"),
         ({"engine_number": 0}, 1.0, r"the result was computed by engine 0; .* engine 1 and .* Run the scenario again"),
         ({"scenario_sha256": "0" * 64}, 1.0, r"digests differ"),
