@@ -10,7 +10,6 @@ export interface Step {
   scenario: string;
   beside?: string;
   pace: number; // how fast a run is played
-  larger: number; // by how much its displacements are exaggerated
 }
 
 /** Lessons with a question each, whose answer is folded until the reader opens it. */

@@ -531,7 +531,7 @@ async function begin(step: Step): Promise<void> {
   beside = undefined;
   editor.text = clean;
   if (!tabs.form.hidden) form.show(clean);
-  player.choose(step.pace, step.larger);
+  player.choose(step.pace);
   const given = { unkept: true };
   if (step.beside) {
     if (!(await compute("lesson", { ...given, name: `${step.name}.beside` }, { other: null, step }))) return;

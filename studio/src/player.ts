@@ -77,9 +77,9 @@ export class Player {
   }
 
   /** Play so fast, and draw displacements so much larger; values that the lists have, 0: as the picture needs. */
-  choose(speed: number, exaggeration: number): void {
+  choose(speed: number): void {
     this.pace.value = `${speed}`;
-    this.larger.value = `${exaggeration}`;
+    this.larger.value = "0";
     this.chosen();
   }
 
