@@ -76,7 +76,7 @@ export class Player {
     this.refresh();
   }
 
-  /** Play so fast, and draw displacements so much larger; values that the lists have, 0: as the picture needs. */
+  /** Play at a speed that the list has, and let the picture choose the exaggeration. */
   choose(speed: number): void {
     this.pace.value = `${speed}`;
     this.larger.value = "0";
