@@ -418,8 +418,8 @@ def test_the_bound_of_the_spectrum_holds_and_is_not_far_off(k: float, mass: floa
     [
         (Guided(along=UP, stiffness=10.0), 0.0, "rkn6", "undamped"),
         (Guided(along=UP, stiffness=10.0, damping=1.0), 0.0, "verlet", "dampers at supports"),
-        (Guided(along=UP, stiffness=10.0), 1e6, "verlet", "a support that yields or moves needs"),
-        (Moving(displacement=_PATH), 1e6, "verlet", "a support that yields or moves needs"),
+        (Guided(along=UP, stiffness=10.0), 1e6, "verlet", "required for a support that yields or moves"),
+        (Moving(displacement=_PATH), 1e6, "verlet", "required for a support that yields or moves"),
     ],
 )
 def test_auto_takes_an_explicit_method_and_says_why(support: Any, damping: float, method: str, why: str) -> None:

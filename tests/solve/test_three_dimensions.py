@@ -500,8 +500,8 @@ def test_what_goes_by_x_is_refused_on_a_line_that_does_not_run_along_it() -> Non
         from_text(ASKEW, "askew.yaml")
     assert str(caught.value).splitlines() == [
         "askew.yaml:5: loads.a.travel.measured: horizontal means along x, and the ends of rope differ in y, "
-        "given horizontal; write slip or material, or turn the axes so that rope runs along x",
+        "given horizontal; write slip or material, or turn the axes so that rope extends along x",
         "askew.yaml:6: loads.b.contact: the force that holds such a contact acts along x, and the ends of rope differ "
-        "in y, given frictionless; write clamped, or turn the axes so that rope runs along x",
+        "in y, given frictionless; write clamped, or turn the axes so that rope extends along x",
     ]
     from_text(ASKEW.replace("[20, 3, 0]", "[20, 0, 0]"), "along.yaml")
