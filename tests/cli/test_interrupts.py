@@ -271,7 +271,7 @@ finally:
 """,
         tmp_path,
     )
-    assert "interrupted; what was computed is kept in one.nc. `ropewalk show one.nc`" in run.stderr, run
+    assert "interrupted; the computed part is kept in one.nc. `ropewalk show one.nc`" in run.stderr, run
     assert (run.returncode, run.stdout) == (130, "False\n")
 
 
