@@ -264,10 +264,12 @@ def interrupted(*words):
     signal.raise_signal(signal.SIGINT)
 recorder.Recorder.extend = interrupted
 sys.argv = ["ropewalk", "resume", "one.nc", "--until", "0.4 ms"]
-try:
-    line.main()
-finally:
-    print("xarray" in sys.modules)
+leave = os._exit
+def leaving(code):
+    print("xarray" in sys.modules, flush=True)
+    leave(code)
+os._exit = leaving
+line.main()
 """,
         tmp_path,
     )
