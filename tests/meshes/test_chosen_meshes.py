@@ -126,7 +126,7 @@ def test_elements_auto_are_written_and_stand_for_a_hundred_elsewhere() -> None:
 
 LINE = "lines: {{rope: {{start: [0, 0], end: [9, 0], length: 10, mass: 1, axial_stiffness: 1e5, elements: {}}}}}\n"
 REFUSED = {
-    "rests need an accuracy": (LINE.format("auto") + "run: {kind: equilibrium}", "elements: auto needs it"),
+    "rests need an accuracy": (LINE.format("auto") + "run: {kind: equilibrium}", "is required by elements: auto"),
     "an accuracy of rest needs auto": (
         LINE.format("40") + "run: {kind: equilibrium, accuracy: 1 mm}", "is for elements: auto",
     ),

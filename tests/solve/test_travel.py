@@ -118,8 +118,9 @@ def test_two_loads_of_half_the_force_at_one_place_nearly_make_one() -> None:
     one = simulate(taut({"a": load(10.0, **{"from": 1.0})}, elements=80))
     halves = {"a": load(force=(0.0, -150.0), **{"from": 1.0}), "b": load(force=(0.0, -150.0), **{"from": 1.02})}
     two = simulate(taut(halves, elements=80))
-    # The second one, 2 cm behind on links of 25 cm, is shared between nodes: a difference of the order of the gap.
-    assert np.abs(one.position.values - two.position.values).max() < 0.02
+    # Each bends its link by itself: a difference of a tenth of a link of 25 cm, of which the run warns.
+    assert "contacts a and b are 0.02 m apart" in two.attrs["warnings"]
+    assert np.abs(one.position.values - two.position.values).max() < 0.03
 
 
 def test_the_audit_closes_with_two_loads_a_little_more_than_a_link_apart() -> None:
