@@ -58,7 +58,10 @@ def translation(tree: Tree, rng: Random) -> Sides:
     """Move all supports, joints and sheaves; tracks within the x-z plane, which they cannot leave."""
     aside = rng.uniform(-50, 50) if _is_spatial(tree) and turns(tree) and not tree.get("tracks") else 0.0
     by = (rng.uniform(-90, 90), aside, rng.uniform(-30, 30))
-    left, right = run(tree), with_fields(run(moved(tree, by)), lambda f: transformed(f, np.eye(3), by))
+    away = moved(tree, by)
+    left, right = run(tree), with_fields(run(away), lambda f: transformed(f, np.eye(3), by))
+    if other := engines(tree, away):  # beside the x-z plane another engine may compute it
+        return Sides(left, right, TWO_ENGINES, comparable(tree), engines=other)
     size = sizes(left.fields) if left.fields else {}
     least = _rounded_friction(tree, float(np.linalg.norm(by))) / ROUNDING
     scales = {name: max(size.get(name, 0.0), least) for name in ("contact_position", "body_position") if least}
