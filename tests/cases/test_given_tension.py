@@ -48,3 +48,22 @@ def test_a_rope_given_by_its_tension_has_it():
     result = run("tension: 50 kN", stiff="")
     assert mean_tension(result) == pytest.approx(TENSION, rel=1e-3)
     assert "tension in equilibrium" not in result.attrs["warnings"]
+
+
+SLOPE = """
+lines:
+  rope: {start: [0, 0], end: [20, %g], start_support: {kind: moving, displacement: [%g m, %g m]}, tension: 10 kN,
+         mass: 1, axial_stiffness: 1 MN, elements: 16%s}
+run: {kind: equilibrium}
+"""
+
+
+@pytest.mark.parametrize("rise", [0.0, 5.0, -8.0])
+@pytest.mark.parametrize("displacement", [(0.0, 0.0), (0.05, 0.0), (-0.05, 0.0), (0.0, 0.5)])
+@pytest.mark.parametrize("stiff", ["", ", bending_stiffness: 100 N*m^2"])
+def test_a_line_on_a_slope_or_displaced_supports_has_its_tension(rise, displacement, stiff):
+    """Supports are where they are displaced to in equilibrium: 5 cm change the tension of a given length by 2.5 kN."""
+    result = ropewalk.simulate(loads(SLOPE % (rise, *displacement, stiff), "slope.yaml", []))
+    near = 5e-4  # stiff lines of given tension are as long as their horizontal force asks for, unless on slopes
+    assert float(result.tension[0].mean()) == pytest.approx(10e3, rel=near)
+    assert "tension in equilibrium" not in result.attrs["warnings"]

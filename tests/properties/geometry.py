@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from .compare import TWO_ENGINES, Sides, comparable
+from .compare import ROUNDING, TWO_ENGINES, Sides, comparable, sizes
 from .running import WITH_AXIS, Fields, Outcome, engines, length_of, read, run
 from .trees import Tree, copied, dimension, get, in_space, loads_of, measures, mirrored, moved, numbers, put, turned
 from .trees import unit_of as unit_at
@@ -55,10 +55,33 @@ def mirror(tree: Tree, rng: Random) -> Sides:
 
 
 def translation(tree: Tree, rng: Random) -> Sides:
-    """Move all supports, joints and sheaves."""
-    aside = rng.uniform(-50, 50) if _is_spatial(tree) and turns(tree) else 0.0
+    """Move all supports, joints and sheaves; tracks within the x-z plane, which they cannot leave."""
+    aside = rng.uniform(-50, 50) if _is_spatial(tree) and turns(tree) and not tree.get("tracks") else 0.0
     by = (rng.uniform(-90, 90), aside, rng.uniform(-30, 30))
-    return Sides(run(tree), with_fields(run(moved(tree, by)), lambda f: transformed(f, np.eye(3), by)))
+    away = moved(tree, by)
+    left, right = run(tree), with_fields(run(away), lambda f: transformed(f, np.eye(3), by))
+    if other := engines(tree, away):  # beside the x-z plane another engine may compute it
+        return Sides(left, right, TWO_ENGINES, comparable(tree), engines=other)
+    size = sizes(left.fields) if left.fields else {}
+    least = _rounded_friction(tree, float(np.linalg.norm(by))) / ROUNDING
+    scales = {name: max(size.get(name, 0.0), least) for name in ("contact_position", "body_position") if least}
+    return Sides(left, right, scales=scales)
+
+
+def _rounded_friction(tree: Tree, reach: float) -> float:
+    """Return how far rounding of the places of a beam drives loads that slide on it with friction, m.
+
+    Places are rounded in proportion to their distance from the origin, which changes the bending forces 12 EI / h^3 per
+    metre, and with them the friction of a load, whose place has no other restraint.
+    """
+    found = 0.0
+    for load in loads_of(tree):
+        line, friction = tree.get("lines", {}).get(load["on"], {}), load.get("travel", {}).get("friction", 0.0)
+        if friction and line.get("bending_stiffness") and "until" in tree["run"]:
+            h = np.linalg.norm(np.subtract(line["end"], line["start"])) / line["elements"]
+            force = 12.0 * line["bending_stiffness"] / h**3 * np.spacing(reach)
+            found = max(found, 0.5 * friction * force / load["mass"] * tree["run"]["until"] ** 2)
+    return float(found)
 
 
 def _is_spatial(tree: Tree) -> bool:
@@ -109,6 +132,10 @@ def reversed_line(tree: Tree, name: str) -> Tree:
     line |= {key: value for key, value in zip(("end_support", "start_support"), ends, strict=True) if value}
     for support in line.get("supports", {}).values():
         support["at"] = length - support["at"]
+    for track in found.get("tracks", {}).values():
+        if track["rail"] == name:  # its first sleeper is as far from the start as the last one was from the end
+            spacing = track["sleepers"]["spacing"]
+            track["sleepers"]["first"] = max(length - spacing * int(length / spacing + 1e-9), 0.0)
     for part in line.get("segments", {}).values():
         part["from"], part["to"] = length - part["to"], length - part["from"]
     for other in found["lines"].values():
@@ -160,6 +187,8 @@ def overhead_from_the_other_end(tree: Tree, rng: Random) -> Sides:
         reverse_load(load, length)
         if load["kind"] == "force":
             load["force"] = [-load["force"][0], *load["force"][1:]]
+        if "payload" in load:
+            load["payload"]["at"] = [-load["payload"]["at"][0], *load["payload"]["at"][1:]]
 
     def back(fields: Fields) -> Fields:
         flipped = {key: v[:, ::-1] if key[0] in ("position", "tension") else v for key, v in fields.items()}

@@ -75,7 +75,8 @@ def _ends_the_path(tree: Tree, relation: str, found: Difference) -> bool:
 def _searches_on_the_way(tree: Tree, relation: str, found: Difference) -> bool:
     """A quasi-static search for where loads stand on a slack line ends or does not, as rounding has it."""
     quasistatic = tree["run"]["kind"] == "quasistatic"
-    return quasistatic and "the positions of the loads have not converged" in found.what
+    twins = relation == "two halves" and "the loads hinder each other" in found.what  # two that slip at one place
+    return quasistatic and (twins or "the positions of the loads have not converged" in found.what)
 
 
 def _takes_coarse_steps(tree: Tree, relation: str, found: Difference) -> bool:
@@ -108,6 +109,16 @@ def _stays_at_an_end(tree: Tree, relation: str, found: Difference) -> bool:
     return stays and forces and tree["run"]["kind"] == "quasistatic" and _has_beams(tree)
 
 
+def _slides_to_an_end(tree: Tree, relation: str, found: Difference) -> bool:
+    """A frictionless force that stays at an end is normal to the line at its end, and vertical at its start."""
+    stays = any(
+        load.get("contact") == "frictionless" and load["travel"].get("at_end") == "stay"
+        for load in tree["loads"].values()
+    )
+    quasistatic = tree["run"]["kind"] == "quasistatic" and relation == "reversal of a line"
+    return stays and quasistatic and found.what.startswith("contact_force")
+
+
 def _joins_inextensible(tree: Tree, relation: str, found: Difference) -> bool:
     """Two inextensible lines that are joined find no equilibrium, where one line does."""
     return relation == "joined lines" and "inextensible lines find no rest" in found.what
@@ -137,6 +148,7 @@ KNOWN: tuple[Known, ...] = (
     Known("strain-of-wires", 2, "an engine counts along chords, not unstrained lengths", _counts_along_the_chord),
     Known("end-of-path", 2, "engines differ in when a quasi-static path ends", _ends_the_path),
     Known("stay-at-the-end", 2, "a quasi-static force at an end is not all borne", _stays_at_an_end),
+    Known("frictionless-at-an-end", 2, "the direction of a quasi-static force differs by the end", _slides_to_an_end),
     Known("inextensible-joined", 4, "joined inextensible lines find no equilibrium", _joins_inextensible),
     Known("quasi-static-search", 2, "places of loads on slack lines are not always found", _searches_on_the_way),
     Known("undamped-strings", 2, "the closed form of a string has no damping", _leaves_damping_out),

@@ -55,9 +55,16 @@ def splits(tree: Tree) -> bool:
     return not extra and measures(tree) <= {"material"}
 
 
+def _moves_forward(load: Tree) -> bool:
+    speed = load["travel"]["speed"]
+    return max(speed["value"] if isinstance(speed, dict) else [speed]) > 0.0
+
+
 def joined_lines(tree: Tree, rng: Random) -> Sides | None:
     """Replace a line by two that are joined where no load comes."""
     (name,) = tree["lines"]
+    if tree["run"]["kind"] == "quasistatic" and any(_moves_forward(load) for load in tree["loads"].values()):
+        return None  # the path ends with the line
     line, length, left = tree["lines"][name], length_of(tree, name), run(tree)
     if left.kind != DONE:
         return None

@@ -257,6 +257,8 @@ class SpringLegWalker:
         self.carrier.give(0.5 * w.leg_stiffness * ((short + longer) ** 2 - short**2))
         leg["length"] += longer
         leg["full"] = leg["length"]
+        if wanted <= 0.0:  # nothing is left to push with; else rounding decided whether the leg takes off
+            self._lift(behind[0])
 
     def _leave(self) -> None:
         if self.walker.at_end == "refuse":

@@ -32,6 +32,7 @@ from ropewalk.model.axles import Axles
 from ropewalk.model.capabilities import refusal
 from ropewalk.model.line import Line
 from ropewalk.model.scenario import Scenario
+from ropewalk.model.support import Moving
 from ropewalk.model.train import TrainSection
 from ropewalk.model.trolley import Payload, Trolley
 from ropewalk.solve.capabilities import margin_without_mass
@@ -143,7 +144,10 @@ def _length_for_tension(scenario: Scenario, name: str, line: Line) -> float:
     lone = scenario.model_copy(update={"lines": {name: line}, "loads": {}})
     unit = strands_of(lone, {name: 1.0})
     law, restrained = unit.law[0], ends_at(supports_of(lone, 0.0), 0, 0.0, unit.gravity)
-    stretched = line.distance / (1.0 + float(strain(law, line.tension)))
+    distance = line.distance
+    if isinstance(line.start_support, Moving) or isinstance(line.end_support, Moving):  # as displaced at time zero
+        distance = float(np.linalg.norm(restrained.place[1] - restrained.place[0]))
+    stretched = distance / (1.0 + float(strain(law, line.tension)))
     if not np.isfinite(stretched):
         raise EquilibriumError(f"line {name}: the axial law never reaches the tension of {line.tension:g} N")
     if scenario.gravity == 0.0 and restrained.is_fast:

@@ -91,7 +91,8 @@ def unstretched(plan: WirePlan, element: float | list[int]) -> WirePlan:
     lengths = _guess(mesh)[1]
     found = _with_lengths(plan, {i: float(lengths[mesh.of(i)][:-1].sum()) for i in wanted})
     yields = {int(mesh.holds.at.wire[i]) for i, node in enumerate(mesh.holds.node) if not mesh.fixed[::2, node].all()}
-    for _ in range(_MOST_ROUNDS):  # where supports yield, the guess is none of the tension at rest
+    yields |= {i for i, wire in enumerate(plan.wires) if wire.start[2] != wire.end[2]}
+    for _ in range(_MOST_ROUNDS):  # where supports yield, or on slopes, the guess is none of the tension at rest
         mesh = mesh_of(found, element)
         position, unstrained = _guess(mesh)
         rest = settle_on_rails(WirePotential(mesh, unstrained), position) if yields.intersection(wanted) else None
