@@ -245,7 +245,8 @@ def _rest(model: HermiteModel, lift: Array) -> Rest:
             step = np.full(1, np.inf)
         change = float(np.abs(step).max(initial=0.0))
         if not change < 1e9:
-            raise EquilibriumError("the wires have no equilibrium: a wire is not supported; check supports and droppers")
+            wrong = "the wires have no equilibrium: a wire is not supported; check supports and droppers"
+            raise EquilibriumError(wrong)
     else:
         raise EquilibriumError("which ties are slack at rest cannot be decided; change the length of one a little")
     slope = (ends[:, 1, 2] - ends[:, 0, 2]) / np.array([wire.length for wire in plan.wires])[model.wire]
