@@ -121,5 +121,5 @@ def test_a_load_does_not_pass_a_cut() -> None:
         )
     )
     assert run.attrs["outcome"] == "travel ended"
-    assert "where line rope is cut" in run.attrs["advice"]
+    assert "reached the cut of line rope" in run.attrs["advice"]
     assert 0.18 < float(run.time[-1]) <= 0.22
