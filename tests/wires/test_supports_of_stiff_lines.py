@@ -359,7 +359,7 @@ def test_vertical_small_motion_refuses_supports_that_change_its_tensions(change:
     """Without a window, which asks for it, the system moves them."""
     run = {"kind": "dynamic", "until": 0.1, "geometry": "linearised"}
     assert engine_of(scenario({**STRING, **change}, run)) is SYSTEM
-    with pytest.raises(ValidationError, match=r"in small motion tensions are constant") as message:
+    with pytest.raises(ValidationError, match=r"in linearised motion tensions are constant") as message:
         scenario({**STRING, **change}, run | {"window": 1.0})
     assert f"lines.line.{key}" in str(message.value)
 
