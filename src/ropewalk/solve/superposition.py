@@ -30,6 +30,7 @@ from ropewalk.solve.radau_iia import C as STAGES
 # which the shortest waves of the mesh ring on.
 TOLERANCE, _RINGING = 1e-5, 100.0
 _HALVINGS = 9
+_ROUNDING = 1e-12  # of the coordinates of contacts: displacements as small are rounding
 _SEEN = 4.0  # rad in a step, by which a wheel on a kink may swing so that half the step shows another force
 
 
@@ -196,6 +197,8 @@ class Superposition:
         """
         (found, forces), missed = self._pass(stretches, longest, start), np.inf
         places = self._places(found)
+        ends = [self.course.at(one.begin, one.on).point for one in (stretches[0], stretches[-1])]
+        least = _ROUNDING * max(float(np.abs(point).max(initial=0.0)) for point in ends)
         for _ in range(_HALVINGS):
             longest *= 0.5
             forces_before, place_before = forces, places
@@ -204,6 +207,8 @@ class Superposition:
             missed = _differ(places, place_before)
             if self.bodies.mass.size:
                 missed = max(missed, _differ(forces, forces_before) / _RINGING)
+            if float(np.abs(places).max(initial=0.0)) <= least:  # nothing moves, as bodies without weight
+                missed = 0.0
             if missed <= TOLERANCE:
                 break
         moments = [self._moment(one, place) for one, place in zip(found, places, strict=True)]
