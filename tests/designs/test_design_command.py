@@ -60,7 +60,7 @@ def test_what_cannot_be_is_told_with_the_exit_code_of_runs():
         ([*ASKED, "--subject-to", "strain"], "--subject-to: subject_to: this is no limit"),
         ([*ASKED, "-o", "string.yaml"], "is the scenario that is varied"),
         ([*ASKED, "-o", "best.txt"], "this is written as"),
-        (ASKED[:2], "small or as large"),
+        (ASKED[:2], "must be minimised or maximised"),
     ],
 )
 def test_mistakes_are_told(words, message):
