@@ -188,7 +188,7 @@ def test_a_force_that_stands_raises_the_wire_by_its_elasticity() -> None:
 
 def test_what_is_no_superposition_is_refused_in_plain_words() -> None:
     failing = {**LINE, "droppers": {**DROPPERS, "strength": "400 N"}}
-    with pytest.raises(ValidationError, match="other modes afterwards"):
+    with pytest.raises(ValidationError, match="other modes after a dropper fails"):
         scenario(failing, kind="linear")
     with pytest.raises(ValidationError, match="is not implemented for pantographs of the sixth order"):
         scenario(LINE, {"irregularity": "rough.csv"}, method="implicit")
