@@ -44,3 +44,20 @@ def test_a_line_over_a_saddle_has_one_sag_however_many_components_are_written(wr
     assert summary(found)["largest_sag"]["value"] == pytest.approx(
         0.85256, rel=1e-4
     )  # as written and computed in the plane
+
+
+@pytest.mark.parametrize("wind", [False, True])
+@pytest.mark.parametrize("written", [2, 3])
+def test_a_line_over_a_sheave_has_one_sag_however_many_components_are_written(written: int, wind: bool) -> None:
+    def point(x: float, z: float) -> list[float]:
+        return [x, z] if written == 2 else [x, 0, z]
+
+    line: dict[str, Any] = {"start": point(0, 0), "end": point(20, 0), "length": 20.3, "mass": 1.0,
+                            "axial_stiffness": 1e6, "elements": 20, "sheaves": {"tower": {"at": point(9, 0.5)}},
+                            **({"wind_drag": 1e-6} if wind else {})}  # fmt: skip
+    blows = {"wind": {"direction": [0, 1, 0], "speed": 1.0}} if wind else {}
+    found = simulate(Scenario.model_validate({"lines": {"s": line}, "run": {"kind": "equilibrium"}, **blows}))
+    assert found.sizes["axis"] == (3 if wind else 2)
+    assert summary(found)["largest_sag"]["value"] == pytest.approx(
+        0.86589, rel=1e-4
+    )  # as written and computed in the plane

@@ -92,7 +92,14 @@ def turns(tree: Tree) -> bool:
     """Whether the scenario can be rotated about the vertical: two stiffnesses leave out the third direction."""
     two = any(path[0] == "lines" and path[-2] in ("stiffness", "damping") for path, _ in numbers(tree))
     frictionless = any(load.get("contact") == "frictionless" for load in loads_of(tree))
-    return mirrors(tree) and not two and not frictionless
+    return mirrors(tree) and not two and not frictionless and not _is_buckled(tree)
+
+
+def _is_buckled(tree: Tree) -> bool:
+    """Whether a stiff line is too long without weight: in space its bow may turn about the chord, without stiffness."""
+    stiff = [line for line in tree.get("lines", {}).values() if "bending_stiffness" in line and "length" in line]
+    slack = any(line["length"] > 1.001 * np.linalg.norm(np.subtract(line["end"], line["start"])) for line in stiff)
+    return slack and tree["gravity"] == 0.0
 
 
 def rotation(tree: Tree, rng: Random) -> Sides:

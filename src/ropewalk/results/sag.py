@@ -102,7 +102,9 @@ def _over_sheaves(dataset: xr.Dataset, line: str, place: Array, xi: Array) -> tu
         return None
     known = dataset["sheave"].values.tolist()
     station = dataset["sheave_station"].values[:, [known.index(f"{line}.{name}") for name in sheaves]]
-    top = np.array([[float(coordinate) for coordinate in one["at"]] for one in sheaves.values()])
+    written = [one["at"] for one in sheaves.values()]  # with two or three components, as in results or not
+    top = np.array([(at[0], at[1] if len(at) == 3 else 0.0, at[-1]) for at in written], dtype=float)
+    top = top[:, :: 1 if place.shape[-1] == 3 else 2]
     tops = np.broadcast_to(top, (len(place), *top.shape))
     where = np.concatenate([place[:, :1], tops, place[:, -1:]], axis=1)
     return where, np.concatenate([xi[:, :1], station, xi[:, -1:]], axis=1)
