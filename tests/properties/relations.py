@@ -53,6 +53,8 @@ def _about_one_end(sides: Sides) -> Sides:
     """
 
     def counted(fields: Fields) -> Fields:
+        if ("position", "section.contact") not in fields:
+            return fields  # of a relation between numbers
         start = fields["position", "section.contact"][0, 0] * [1.0, 0.0, 0.0]
         loads_or_wires = ("contact_position", "body_position", "position")
         return {
