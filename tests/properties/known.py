@@ -142,6 +142,11 @@ def _counts_energy_otherwise(tree: Tree, relation: str, found: Difference) -> bo
     return aside and counted and tree["run"].get("geometry") == "linearised"
 
 
+def _measures_modes_at_instants(tree: Tree, relation: str, found: Difference) -> bool:
+    """Whether enough modes are taken is judged at output instants: close to the tolerance one run of two stops."""
+    return relation == "output interval" and "does not converge by adding modes" in found.what
+
+
 def _has_left(tree: Tree, relation: str, found: Difference) -> bool:
     """A vehicle that has left the line moves on in one engine, and stands beyond the end in another."""
     leaves = any(load.get("travel", {}).get("at_end") == "leave" for load in tree["loads"].values())
@@ -157,6 +162,7 @@ KNOWN: tuple[Known, ...] = (
     Known("mass-over-support", 3, "bodies on modes change span at inner supports", _passes_a_support),
     Known("beams-on-slopes", 3, "an engine leaves out inertia along beams", _rides_on_a_slope),
     Known("strain-of-wires", 2, "an engine counts along chords, not unstrained lengths", _counts_along_the_chord),
+    Known("modes-at-instants", 2, "convergence with modes is judged at output instants", _measures_modes_at_instants),
     Known("zero-of-energy", 2, "engines count elastic energy from different states", _counts_energy_otherwise),
     Known("end-of-path", 2, "engines differ in when a quasi-static path ends", _ends_the_path),
     Known("stay-at-the-end", 2, "a quasi-static force at an end is not all borne", _stays_at_an_end),

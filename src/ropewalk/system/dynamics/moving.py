@@ -17,12 +17,10 @@ from ropewalk.errors import EquilibriumError
 from ropewalk.external.cosimulation_master import begun
 from ropewalk.mechanics.chain import Array, Integers
 from ropewalk.mechanics.loading import loading_of
-from ropewalk.mechanics.multibody_system import hung
 from ropewalk.mechanics.notes import STEPS, Notes, numbers_of
 from ropewalk.mechanics.portions import portion
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
-from ropewalk.model.trolley import Trolley
 from ropewalk.results.exchanges import external_in
 from ropewalk.results.frame import Layout, RunInfo
 from ropewalk.results.frames import Frames, NotedInstants
@@ -55,6 +53,7 @@ from ropewalk.system.equilibrium.structures import rest_before_motion, structure
 from ropewalk.system.loads.crabs import Crabs, stand_on_lines
 from ropewalk.system.loads.loaded_structure import Carried, LoadedStructure, load_springs, measure_from_ends
 from ropewalk.system.loads.pantographs import stand_below, with_pantographs
+from ropewalk.system.loads.payloads import place_payloads
 from ropewalk.system.methods import first_damper, shaken
 from ropewalk.system.reporting import doubts
 from ropewalk.system.reporting.contact_doubts import ContactDoubts
@@ -314,21 +313,16 @@ class SystemMotion:
 
     def _stand(self, *, with_loads: bool) -> None:
         """Let bodies move along with the line; where they do not rest on it, with springs without force but weights."""
-        axes, state, resting = self.rest.shape[0], self.state, self.state.u.copy()
+        state, resting = self.state, self.state.u.copy()
         self._locate()
         stand_on_lines(self.loading.wheels, self.contacts, state)
         load_springs(self.bodies, state.u, state.w)
-        for tether in self.bodies.tethers:
-            first, above = int(tether["first"]), int(self.contacts[tether["contact"]]["first"])
-            load = self._scenario.loads[self.loading.wheels[tether["contact"]].load]
-            if not isinstance(load, Trolley):
-                continue
-            below = hung(load.payload, float(tether["stiffness"]), self._scenario.gravity, self.loading.axes)
-            state.u[first : first + axes] = state.u[above : above + axes] + below
-            state.w[first : first + axes] = state.w[above : above + axes]
+        payloads = self._scenario, self.loading.wheels, self.contacts, self.bodies.tethers, state
+        place_payloads(*payloads)
         stand_below(self._scenario, self.contacts, self.bodies, self._places, state)
         if with_loads:
             state.u[:] = resting
+            place_payloads(*payloads, displaced=True)
         if self._carriages.rounds:
             self._carriages.hang(state.u, state.w)
             self._carriages.pay_out(self.structure, self._buffers, state.r, state.u)
