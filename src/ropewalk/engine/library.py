@@ -6,7 +6,7 @@ import ctypes
 import sys
 from functools import cache
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,7 +18,7 @@ VERSION = 1
 VARIANTS = ("baseline", "avx2", "avx512")
 """Instruction sets that the core is compiled for, by their numbers; elsewhere than on x86-64 only the first."""
 Elementary = Literal["exp", "log", "sin", "cos", "atan2", "pow"]
-_FUNCTIONS = ("exp", "log", "sin", "cos", "atan2", "pow")
+_FUNCTIONS: tuple[str, ...] = get_args(Elementary)
 _NAMES = {"win32": "core.dll", "darwin": "core.dylib"}
 _DOUBLES = ctypes.POINTER(ctypes.c_double)
 

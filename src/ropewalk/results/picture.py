@@ -42,6 +42,7 @@ STRAIGHT = 1e-3  # height to width, below which lines are straight
 AROUND = 45.0  # m, of an overhead line on each side of its pantographs
 _STILL = 1e-9  # of the extent: smaller displacements are round-off
 _NOTHING = 1e-9  # of any quantity in SI: round-off
+_SEEN = 0.02  # of a link: nearer to the straight line between its nodes no contact is seen to be off it
 
 
 @dataclass(frozen=True)
@@ -281,9 +282,6 @@ def _is_linear(scenario: Scenario | None) -> bool:
     """Whether tensions stay as they are at first."""
     run: Any = getattr(scenario, "run", None)
     return run is not None and (run.kind == "linear" or getattr(run, "geometry", "") == "linearised")
-
-
-_SEEN = 0.02  # of a link: nearer to the straight line between its nodes no contact is seen to be off it
 
 
 def drawn_position(dataset: xr.Dataset) -> Array:
