@@ -31,3 +31,15 @@ def test_a_load_is_where_it_starts_on_the_declared_line() -> None:
     assert declared is not None
     np.testing.assert_allclose(declared["contact_position"].values[0, 0], [5.0, 0.0])
     assert [symbol.kind for symbol in Picture(declared).symbols] == ["force"]
+
+
+def test_a_line_is_drawn_over_its_sheaves_and_its_load_on_it() -> None:
+    declared = preview(load(next(file for file in EXAMPLES if file.stem == "sheaves")))
+    assert declared is not None
+    lines = load(next(file for file in EXAMPLES if file.stem == "sheaves")).lines
+    name, line = next((name, line) for name, line in lines.items() if line.sheaves)
+    own = declared["position"].values[0][declared["line"].values == name]
+    for sheave in line.sheaves.values():
+        away = np.abs(own - np.array([sheave.at[0], sheave.at[-1]])).max(axis=1)
+        assert away.min() == pytest.approx(0.0, abs=1e-9)
+    assert np.isfinite(declared["contact_xi"].values).any()
