@@ -19,18 +19,21 @@ VARIANTS = ("baseline", "avx2", "avx512")
 """Instruction sets that the core is compiled for, by their numbers; elsewhere than on x86-64 only the first."""
 Elementary = Literal["exp", "log", "sin", "cos", "atan2", "pow"]
 _FUNCTIONS: tuple[str, ...] = get_args(Elementary)
-_NAMES = {"win32": "core.dll", "darwin": "core.dylib"}
+PATH = Path(__file__).with_name({"win32": "core.dll", "darwin": "core.dylib"}.get(sys.platform, "core.so"))
+"""Path of the library."""
 _DOUBLES = ctypes.POINTER(ctypes.c_double)
 
 
 @cache
-def library() -> ctypes.CDLL:
+def library(path: Path = PATH) -> ctypes.CDLL:
     """Load the core.
+
+    Args:
+        path: of the library.
 
     Raises:
         RopewalkError: it has not been compiled, or is of another version than this package.
     """
-    path = Path(__file__).with_name(_NAMES.get(sys.platform, "core.so"))
     try:
         found = ctypes.CDLL(str(path))
     except OSError as error:
