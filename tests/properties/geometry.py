@@ -109,9 +109,10 @@ def rotation(tree: Tree, rng: Random) -> Sides:
     back = [[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]
     aside = turned(tree, angle)
     right = with_fields(run(aside), lambda f: transformed(f, back))
-    if not _is_spatial(tree) and rng.random() < 0.5:  # another engine may compute what leaves the plane
-        return Sides(run(tree), right, TWO_ENGINES, comparable(tree), engines=engines(tree, aside))
-    return Sides(run(in_space(tree)), right)
+    start = tree if not _is_spatial(tree) and rng.random() < 0.5 else in_space(tree)
+    if start is tree or engines(start, aside):  # another engine may compute what leaves the x-z plane
+        return Sides(run(start), right, TWO_ENGINES, comparable(tree), engines=engines(start, aside))
+    return Sides(run(start), right)
 
 
 # -- Reversal ----------------------------------------------------------------------------------------------------

@@ -131,17 +131,6 @@ def _passes_a_support(tree: Tree, relation: str, found: Difference) -> bool:
     return added and bodies and tree["run"]["kind"] == "linear" and found.size <= 50.0
 
 
-def _counts_energy_otherwise(tree: Tree, relation: str, found: Difference) -> bool:
-    """One engine counts elastic energy of linearised motion from the equilibrium, one from the unstrained line.
-
-    There the weight does the difference as work: elastic and gravitational energy change together alike (0.119 and
-    0.122 J where the elastic energies change by 0.119 and 0.852 J).
-    """
-    aside = relation in ("rotation about the vertical", "nothing added", "joined lines") and _has_beams(tree)
-    counted = found.what.startswith(("energy elastic", "energy gravitational"))
-    return aside and counted and tree["run"].get("geometry") == "linearised"
-
-
 def _measures_modes_at_instants(tree: Tree, relation: str, found: Difference) -> bool:
     """Whether enough modes are taken is judged at output instants: close to the tolerance one run of two stops."""
     return relation == "output interval" and "does not converge by adding modes" in found.what
@@ -163,7 +152,6 @@ KNOWN: tuple[Known, ...] = (
     Known("beams-on-slopes", 3, "an engine leaves out inertia along beams", _rides_on_a_slope),
     Known("strain-of-wires", 2, "an engine counts along chords, not unstrained lengths", _counts_along_the_chord),
     Known("modes-at-instants", 2, "convergence with modes is judged at output instants", _measures_modes_at_instants),
-    Known("zero-of-energy", 2, "engines count elastic energy from different states", _counts_energy_otherwise),
     Known("end-of-path", 2, "engines differ in when a quasi-static path ends", _ends_the_path),
     Known("stay-at-the-end", 2, "a quasi-static force at an end is not all borne", _stays_at_an_end),
     Known("frictionless-at-an-end", 2, "the direction of a quasi-static force differs by the end", _slides_to_an_end),
