@@ -139,3 +139,24 @@ def test_a_body_without_wheels_on_its_line_is_beyond_the_end_or_nowhere(line: st
     assert off.any()
     assert np.isfinite(x[~off]).all()
     assert np.isnan(x[off]).all() or ((x[off] < -12.0) if speed > 0 else (x[off] > 0.0)).all()
+
+
+@pytest.mark.parametrize("bending", [0.0, 1e5])
+@pytest.mark.parametrize("measured", ["material", "horizontal"])
+@pytest.mark.parametrize("end", [[30, 0], [24, 18], [-30, 0]])
+def test_a_box_is_in_the_middle_of_its_wheels_on_a_stretched_line(
+    end: list[float], measured: str, bending: float
+) -> None:
+    """In linear theory, too, where the distance of wheels is one along the unstrained line or one in x."""
+    if measured == "horizontal" and end[0] < 0.0:
+        return  # refused
+    line = {"start": [0, 0], "end": end, "tension": 1e4, "mass": 0.5, "axial_stiffness": 2e5, "elements": 16,
+            "bending_stiffness": bending}  # fmt: skip
+    springs = {name: {"between": ["box", name], "stiffness": 2e3, "damping": 20} for name in ("rear", "front")}
+    wheels = {"rear": {"at": -1.0, "mass": 1}, "front": {"at": 1.0, "mass": 1}}
+    load = {"kind": "vehicle", "on": "r", "bodies": {"box": {"mass": 4, "inertia": 2}}, "wheels": wheels,
+            "springs": springs, "travel": {"speed": 20, "measured": measured, "at_end": "leave"}}  # fmt: skip
+    run = {"kind": "linear", "until": 0.3, "every": 0.1}
+    found = simulate(Scenario.model_validate({"lines": {"r": line}, "loads": {"v": load}, "run": run}))
+    middle = found.contact_position.values[1:, :, 0].mean(axis=1)
+    assert found.body_position.values[1:, 0, 0] == pytest.approx(middle, abs=1e-9)

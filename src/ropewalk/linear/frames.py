@@ -143,7 +143,7 @@ def _frames(
             for b, body in enumerate(displayed):
                 if body.wheel in response.system.wheels:
                     for i in range(t.size):
-                        body_place[i, b], body_speed[i, b] = _body(response, chord, body, rows.start + i)
+                        body_place[i, b], body_speed[i, b] = _body(response, field, body, rows.start + i)
         own = setting.on[s]
         place = seen.xi[:, own] * (chord.length / chord.material)
         supported = reactions(chord, setting.strands.gravity, moved, rate[rows], place, seen.force[:, own])
@@ -185,10 +185,10 @@ def _energies(response: BodyResponse, chord: Chord, i: int) -> Array:
     return np.array(response.system.energies(moved, rates, response.velocity, float(chord.start[-1])))
 
 
-def _body(response: BodyResponse, chord: Chord, body: Body, i: int) -> tuple[Array, Array]:
+def _body(response: BodyResponse, field: Field, body: Body, i: int) -> tuple[Array, Array]:
     """Place and velocity of a body. Heights count from the chord: in this theory loads do not feel the sag."""
-    j = response.system.wheels.tolist().index(body.wheel)
-    place = chord.start + (response.place[i, j] + body.ahead) * chord.along
+    j, chord = response.system.wheels.tolist().index(body.wheel), field.chord
+    place = chord.start + (response.place[i, j] + field.scales[body.wheel] * body.ahead) * chord.along
     speed = response.velocity * chord.along
     if body.coordinates[-1] >= 0:
         c = response.system.coordinates.index(body.coordinates[-1])
