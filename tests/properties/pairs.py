@@ -91,9 +91,13 @@ def verdicts(seed: int, number: int) -> Iterator[tuple[str, Verdict | None]]:
         yield pair, examine(tree, relation, pair)
 
 
+def scenario_of(pair: str) -> Tree:
+    """Return the scenario of a pair by its name, such as "1-7 mirror"."""
+    seed, _, number = pair.partition(" ")[0].partition("-")
+    return scenario(int(seed), int(number))
+
+
 def again(pair: str) -> tuple[Tree, Verdict | None]:
-    """Return the scenario and the verdict of a pair by its name, such as "1-7 mirror"."""
-    place, _, name = pair.partition(" ")
-    seed, _, number = place.partition("-")
-    tree = scenario(int(seed), int(number))
-    return tree, examine(tree, BY_NAME[name], pair)
+    """Return the scenario and the verdict of a pair by its name."""
+    tree = scenario_of(pair)
+    return tree, examine(tree, BY_NAME[pair.partition(" ")[2]], pair)

@@ -169,12 +169,15 @@ def nothing_added(tree: Tree, rng: Random) -> Sides:
     left = run(tree)
 
     def back(fields: Fields) -> Fields:
-        """Leave out the nodes that a support adds."""
+        """Leave out the nodes that a support adds, or go over from its mesh to the given one."""
         found = dict(fields)
         for (variable, own), values in left.fields.items():
-            if variable == "xi" and (other := fields.get(("xi", own))) is not None and len(other) > len(values):
-                nodes = [int(np.abs(other - xi).argmin()) for xi in values]
-                found["position", own] = fields["position", own][:, nodes]
+            other = fields.get(("xi", own)) if variable == "xi" else None
+            if other is not None and (len(other) != len(values) or np.abs(other - values).max() > 1e-9 * values[-1]):
+                place = np.clip(np.searchsorted(other, values), 1, len(other) - 1)
+                part = ((values - other[place - 1]) / (other[place] - other[place - 1]))[:, None]
+                r = fields["position", own]
+                found["position", own] = (1.0 - part) * r[:, place - 1] + part * r[:, place]
                 found["tension", own] = left.fields["tension", own]
         return found
 

@@ -7,7 +7,9 @@ import signal
 import time
 from multiprocessing.connection import Connection
 
-from .pairs import Verdict, verdicts
+from .compare import Difference
+from .known import known
+from .pairs import Verdict, kind_of, scenario_of, verdicts
 
 LIMIT, PATIENCE = 120.0, 1200.0
 """Seconds of CPU for a pair, at whose end SIGPROF kills the worker, and of waiting; compiling counts."""
@@ -70,4 +72,5 @@ class Worker:
         self._process.join()
         pair, self._before = self.pair, self.cpu
         self._begin()
-        return Verdict(pair, pair.partition(" ")[2], "", float("inf"), why, "", LIMIT)
+        tree, relation, found = scenario_of(pair), pair.partition(" ")[2], Difference(float("inf"), why)
+        return Verdict(pair, relation, kind_of(tree), found.size, why, known(tree, relation, found), LIMIT)

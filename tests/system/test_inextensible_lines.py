@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from ropewalk.errors import ScenarioError
 from ropewalk.model import Scenario
@@ -20,6 +21,7 @@ from ropewalk.results.running import TimeHistory
 from ropewalk.scenario import loads as read
 from ropewalk.simulate import simulate, spectrum_of
 from ropewalk.system.dynamics.moving import SystemMotion
+from ropewalk.system.reporting.doubts import doubt_struts
 from ropewalk.theory import cable
 
 RIGID: dict[str, Any] = {"law": {"kind": "inextensible"}}
@@ -195,3 +197,29 @@ def test_steps_are_as_long_as_transverse_waves_ask_for() -> None:
 def test_they_do_not_resist_bending(key: str, value: float) -> None:
     with pytest.raises(ScenarioError, match=r"law.kind: is not implemented for beams"):
         read(json.dumps(rope(**{key: value})), "rope.json")
+
+
+@pytest.mark.parametrize("mass", [0.0, 5.0, 50.0])
+def test_joined_lines_hang_below_heavy_elastic_supports(mass: float) -> None:
+    """They stood as an arch: at first the weight of supports is larger than that of the links next to them."""
+    support = {"kind": "elastic", "stiffness": 5e5, "damping": 2000, **({"mass": mass} if mass else {})}
+    line = {"mass": 1, "elements": 16, "law": {"kind": "inextensible"}}
+    to_knot = {"end_support": {"kind": "joined", "to": "knot"}}
+    halves = {
+        "left": {**line, "start": [0, 0], "end": [8, 0], "length": 8.4, "start_support": support, **to_knot},
+        "right": {**line, "start": [16, 0], "end": [8, 0], "length": 8.4, "start_support": support, **to_knot},
+    }  # fmt: skip
+    tree = {"lines": halves, "joints": {"knot": {}}, "loads": {}, "run": {"kind": "equilibrium"}}
+    result = simulate(Scenario.model_validate(tree))
+    assert result.outcome == "completed"
+    assert float(result.tension.min()) > 0.0
+    a = brentq(lambda a: 2.0 * a * np.sinh(8.0 / a) - 16.8, 5.0, 100.0)
+    assert -float(result.position[0, :, 1].min()) == pytest.approx(a * (np.cosh(8.0 / a) - 1.0), rel=2e-3)  # 32 links
+
+
+def test_lines_that_push_are_doubted_once() -> None:
+    tree = {"lines": {"s": rope()["lines"]["rope"]}, "loads": {}, "run": {"kind": "equilibrium"}}
+    scenario, run_info = Scenario.model_validate(tree), RunInfo()
+    for tension in ([100.0, -9.0], [100.0, -11.0], [90.0, -50.0]):
+        doubt_struts(scenario, run_info, ["s", "s"], np.array(tension), "at load_path = 0 m")
+    assert [doubt.key for doubt in run_info.doubts] == ["lines.s.law"]

@@ -16,6 +16,7 @@ from ropewalk.model.overhead_wire import OverheadWire
 from ropewalk.model.parts import Parts
 from ropewalk.model.run import Dynamic, Linear
 
+LONGEST = 1e9  # m, beyond the moon
 LEAST_MASS = 1e-9  # kg/m, a thousandth of a spider's thread
 _LIGHT = 1e-3  # kg/m, below which a mass is the more likely mistake
 FASTEST_WAVE = 1e8  # m/s, a third of the speed of light; in diamond it is 18 km/s
@@ -48,6 +49,9 @@ def check_magnitudes(parts: Parts) -> Iterator[Finding]:
 def _of_line(line: Line, parts: Parts) -> Iterator[tuple[str, str, str, str]]:
     """Problems of a line: key, problem, value, remedy."""
     yield from _of_tension(line)
+    if line.length is not None and line.length > LONGEST:
+        yield "length", "is longer than any line", f"{line.length:g} m", f"check its unit; write at most {LONGEST:g} m"
+        return
     if not isinstance(parts.run, Dynamic | Linear):
         return
     if line.mass < LEAST_MASS and not line.axial_stiffness:

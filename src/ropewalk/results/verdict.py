@@ -26,6 +26,7 @@ from ropewalk.results.lifted_rope import LiftedRopeWatch
 from ropewalk.results.lost_contact import LostContactWatch
 from ropewalk.results.peaks import beside, lonely, missed, sharp, too_far_apart
 from ropewalk.results.pushing import PushWatch
+from ropewalk.results.ringing_contacts import RingingContactsWatch
 from ropewalk.results.scenario_warnings import blows_at_once, phase_warnings, started_too_close, stiff_below
 from ropewalk.results.start_position import StartPositionWatch
 from ropewalk.results.strain_range import StrainRangeWatch
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
 
 WATCHES: tuple[type[Watch], ...] = (
     StrengthWatch, LiftedRopeWatch, CloseContactsWatch, ContactOrderWatch, StrainRangeWatch, AxialRestraintWatch,
-    StartPositionWatch, PushWatch, GroundWatch, LostContactWatch, HangingWatch, GivenTensionWatch,
+    StartPositionWatch, RingingContactsWatch, PushWatch, GroundWatch, LostContactWatch, HangingWatch, GivenTensionWatch,
 )  # fmt: skip
 """Watches of a single question each."""
 OF_SCENARIOS = (started_too_close, stiff_below, blows_at_once, implausible)

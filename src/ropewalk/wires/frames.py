@@ -33,7 +33,7 @@ from ropewalk.wires.prescribed_motion import inputs_of
 from ropewalk.wires.rest import WiresAtRest
 from ropewalk.wires.small import SmallMotion
 from ropewalk.wires.small_arrays import x_of
-from ropewalk.wires.stability import largest_step, largest_step_along
+from ropewalk.wires.stability import largest_step, largest_step_along, refuse_tiny_steps
 from ropewalk.wires.step_inputs import ON_WIRE, Record, StepInputs
 from ropewalk.wires.task import WireTask, ready
 from ropewalk.wires.window_error import WindowMeasure, returns_after
@@ -117,6 +117,7 @@ class Wires:
                 "run.step, or leave it out"
             )
         inner = _parts(run_info.step, along)
+        refuse_tiny_steps(self.mesh, self.steps * inner, self.sample)
         if start.rest is None:
             run_info.reason = "Stoermer's method for all components" + (
                 f"; {inner} inner steps of the wires alone follow axial waves" if inner > 1 else ""
@@ -405,7 +406,7 @@ class Wires:
     def _go(self, t: float, inputs: StepInputs) -> Record:
         """Go on by the rows of a drive from t in s; external models are asked when it is time, and fill in theirs."""
         parts, row, rows = [], 0, inputs.station.shape[0] - 1
-        most = portion(self.mesh.nodes, self.steps)
+        most = portion(self.mesh.nodes, self.steps * getattr(self.motion, "inner", 1))
         first = round(t / self.sample)
         while row < rows:
             now = t + row * self.sample

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from ropewalk.errors import RopewalkError
 from ropewalk.wires.bending import HIGHEST
 from ropewalk.wires.mesh import Mesh, MovingLoads
 from ropewalk.wires.plan import Array
 from ropewalk.wires.rest import spring, ties_springs
 
 SAFETY, SAFETY_ALONG = 0.9, 0.97  # nothing but the wire itself counts along it
+_MOST = 2e8  # nodes times steps between two samples, about a second of computing, in which no signal is heard
 _SQUARES = 0.72  # the largest sum of squares of the weights of a spline
 
 
@@ -40,6 +42,22 @@ def largest_step_along(mesh: Mesh, inertia: float = 1.0) -> float:
     square = (4.0 * EA / s.h + 16.0 * s.stiffness / s.h**3) / (s.rho * s.h) / inertia + _at_ends(mesh) / inertia
     square += _lengthwise(mesh) / inertia
     return SAFETY_ALONG * float(2.0 / np.sqrt(square.max()))
+
+
+def refuse_tiny_steps(mesh: Mesh, steps: int, sample: float) -> None:
+    """Refuse a motion whose stable step is so small that it would not get anywhere.
+
+    Raises:
+        RopewalkError: it takes too many steps in a sample of so many seconds.
+    """
+    if steps * mesh.nodes <= _MOST:
+        return
+    EA = np.array([wire.axial_stiffness for wire in mesh.plan.wires])
+    name = mesh.plan.wires[int((EA / mesh.strands.rho).argmax())].name
+    raise RopewalkError(
+        f"{name}: motion takes steps of {sample / steps:.2g} s, and would not end; check the units of "
+        "axial_stiffness, bending_stiffness and mass, and of springs and dampers of supports, droppers and loads"
+    )
 
 
 def _attached(mesh: Mesh, lightest: float, along: bool) -> float:

@@ -381,18 +381,21 @@ def refuse_beyond(scenario: Scenario, loading: Loading, contacts: Any, structure
     Raises:
         EquilibriumError: there is such a load.
     """
+    shifts = dict[int, float]()
     for wheel, contact in zip(loading.wheels, contacts, strict=True):
         length, line = float(structure.lines.length[contact["line"]]), scenario.lines.get(wheel.on)
         far = length if line is None else line.distance
         beyond = wheel.start > length * (1.0 + 1e-9)
-        if beyond and isinstance(scenario.loads[wheel.load], Axles | TrainSection):
-            known = line is None or line.length is not None or wheel.measured != "material"
-            contact["begin"] -= 0.0 if known else far - length
-        elif beyond and not np.isclose(wheel.start, far, 1e-9):
+        trains = isinstance(scenario.loads[wheel.load], Axles | TrainSection)
+        if beyond and not trains and not np.isclose(wheel.start, far, 1e-9):
             raise EquilibriumError(
                 f"load {wheel.name} would begin {wheel.start:g} m along {wheel.on}, which ends at {length:g} m; "
                 "change its from"
             )
+        if beyond and line is not None and line.length is None and wheel.measured == "material":
+            shifts[int(contact["load"])] = far - length
+    for load, shift in shifts.items():  # with all of its wheels
+        contacts["begin"][contacts["load"] == load] -= shift
 
 
 def _tethers(multibody_system: AssembledBodies, contacts: Any, places: int) -> Any:

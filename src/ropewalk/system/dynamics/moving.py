@@ -438,7 +438,8 @@ class SystemMotion:
         if self._friction is not None:
             moved = self.state.r - self.rest
             doubts.ask_sticking(self._friction, self.structure, moved, self._buffers, self.run_info, t)
-        doubts.doubt_struts(self.assembled, self._buffers, self.run_info, t)
+        tension = self._buffers.tension[self._builder.link]
+        doubts.doubt_struts(self._scenario, self.run_info, self.layout.link_line, tension, f"at t = {t:.4g} s")
 
     def frames(self, notes: Sequence[NotedInstants]) -> Frames:
         """The frames of some notes."""

@@ -115,7 +115,7 @@ def settle(potential: Any, start: Array) -> Array:
     if not structure.taut.any():
         buffers.tension[links] = 0.0
         out, G = potential.out_of_balance(shape), gradients(potential, shape, links)
-        buffers.tension[links] = h * scipy.sparse.linalg.spsolve(_of_links(G), G @ out)
+        buffers.tension[links] = h * np.abs(scipy.sparse.linalg.spsolve(_of_links(G), G @ out))  # hanging lines pull
     before = np.inf
     for _ in range(_ROUNDS):
         K, out = potential.stiffness(shape), potential.out_of_balance(shape)

@@ -16,7 +16,7 @@ from ropewalk.solve.following import Mover, quasistatic_motion, schedule
 from ropewalk.system.contact.tables import Tables
 from ropewalk.system.elements.structure import Structure
 from ropewalk.system.loads.loaded_structure import Carried
-from ropewalk.system.reporting.doubts import doubt_slack
+from ropewalk.system.reporting.doubts import doubt_slack, doubt_struts
 
 Rest = TypeVar("Rest")
 
@@ -50,6 +50,12 @@ class SlowMotion(ABC, Generic[Rest]):
         """The only frame of an equilibrium: at rest with the loads at their start."""
         frame = self._frame(self._rest(0.0, None), 0.0, 0.0)
         doubt_slack(self._scenario, self._run_info, self.layout.link_line, frame.tension)
+        return self._doubted(frame)
+
+    def _doubted(self, frame: Frame) -> Frame:
+        """Doubt inextensible lines that push in a frame."""
+        links, when = self.layout.link_line, f"at load_path = {frame.path:.4g} m"
+        doubt_struts(self._scenario, self._run_info, links, frame.tension, when)
         return frame
 
     def slowly(self, positions: int, turn: float | None) -> Iterator[Frame]:
@@ -64,7 +70,7 @@ class SlowMotion(ABC, Generic[Rest]):
         """
         way = schedule(movers_of(self._carried, self._structure))
         for at in quasistatic_motion(self._rest, self._places, *way, positions, turn):
-            yield self._frame(at.shape, at.path, at.t)
+            yield self._doubted(self._frame(at.shape, at.path, at.t))
 
 
 def movers_of(carried: Carried, structure: Structure) -> list[Mover]:

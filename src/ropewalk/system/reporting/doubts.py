@@ -13,6 +13,7 @@ from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.contact_points import ContactPoint
 from ropewalk.model.carriage import Carriage
 from ropewalk.model.joint import Joined
+from ropewalk.model.law import Inextensible
 from ropewalk.model.load import GivenForces
 from ropewalk.model.run import Dynamic
 from ropewalk.model.scenario import Scenario
@@ -217,21 +218,26 @@ def _warn(run_info: RunInfo, path: Array, when: Any, what: str, so: str) -> None
         run_info.warnings.append(f"{text}{path[int(np.argmax(when))]:.4g} s: {so}")
 
 
-def doubt_struts(assembled: Assembled, buffers: Buffers, run_info: RunInfo, t: float) -> None:
-    """Doubt inextensible lines that are pushed together: there they are bars, which fold as the mesh lets them."""
-    structure = assembled.structure
-    if structure.taut is None:
+def doubt_struts(scenario: Scenario, run_info: RunInfo, on: Sequence[str], tension: Array, when: str) -> None:
+    """Doubt inextensible lines that are pushed together: there they are bars, which fold as the mesh lets them.
+
+    Args:
+        scenario: what is there.
+        run_info: takes the doubts.
+        on: (link,) names of the lines of links.
+        tension: (link,) N.
+        when: in words.
+    """
+    rigid = [name for name, line in scenario.lines.items() if isinstance(line.law, Inextensible)]
+    if not rigid:
         return
-    assert buffers.tight is not None
-    pull, rigid = buffers.tension, buffers.tight.h > 0.0
-    for s, name in enumerate(assembled.line):
-        first, n = int(structure.runs.first[s]), int(structure.runs.links[s])
-        own, key = pull[first : first + n], f"lines.{name}.law"
-        if not rigid[first] or float(own.min()) >= -_PUSHED * float(np.abs(pull[rigid]).max()):
-            continue
-        if all(doubt.key != key for doubt in run_info.doubts):
+    pull = {name: tension[np.array(on) == name] for name in rigid}
+    largest = max(float(np.abs(own).max()) for own in pull.values())
+    for name, own in pull.items():
+        key = f"lines.{name}.law"
+        if float(own.min()) < -_PUSHED * largest and all(doubt.key != key for doubt in run_info.doubts):
             run_info.doubt(
-                f"line {name} is pushed together at t = {t:.4g} s, and folds as its elements let it",
+                f"line {name} is pushed together {when}, and folds as its elements let it",
                 "it is inextensible, and slack there", key, "give it an axial_stiffness with law: tension_only",
             )  # fmt: skip
 
