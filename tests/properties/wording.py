@@ -169,15 +169,15 @@ def nothing_added(tree: Tree, rng: Random) -> Sides:
     left = run(tree)
 
     def back(fields: Fields) -> Fields:
-        """Leave out the nodes that a support adds, or go over from its mesh to the given one."""
+        """Compare the nodes that both have: a support is at a node, so that there may be more or others."""
         found = dict(fields)
         for (variable, own), values in left.fields.items():
             other = fields.get(("xi", own)) if variable == "xi" else None
             if other is not None and (len(other) != len(values) or np.abs(other - values).max() > 1e-9 * values[-1]):
-                place = np.clip(np.searchsorted(other, values), 1, len(other) - 1)
-                part = ((values - other[place - 1]) / (other[place] - other[place - 1]))[:, None]
-                r = fields["position", own]
-                found["position", own] = (1.0 - part) * r[:, place - 1] + part * r[:, place]
+                nodes = [int(np.abs(other - xi).argmin()) for xi in values]
+                same = np.abs(other[nodes] - values) <= 1e-9 * values[-1]
+                r = fields["position", own][:, nodes]
+                found["position", own] = np.where(same[:, None], r, left.fields["position", own][: len(r)])
                 found["tension", own] = left.fields["tension", own]
         return found
 
@@ -216,8 +216,9 @@ def other_body(tree: Tree, rng: Random) -> Sides:
         return {(variable, mine.get(owner, owner)): values for (variable, owner), values in fields.items()}
 
     def heights(fields: Fields) -> Fields:
-        """Leave out where bodies are along the line: matrices do not say it."""
-        return {key: v * [0.0, 0.0, 1.0] if key[0] == "body_position" else v for key, v in fields.items()}
+        """Leave out where bodies are along the line: matrices do not say it, nor vehicles that have left."""
+        up = [False, False, True]
+        return {key: np.where(up, v, 0.0) if key[0] == "body_position" else v for key, v in fields.items()}
 
     left, right = with_fields(run(tree), heights), with_fields(run(found), lambda f: heights(back(f)))
     return Sides(left, right, tolerance=1e-5 if exact else MODEST, only=PLACES)
