@@ -178,5 +178,3 @@ def test_bodies_in_linear_theory_are_above_the_line_as_drawn(stiff: bool, sag: f
     place, right = (result.body_position.values[:, 0] for result in both)
     assert np.ptp(right[:, 1]) > 0.7 * sag  # the sag is felt
     np.testing.assert_allclose(place, right, atol=0.1 * sag)
-    rate, right = (result.body_velocity.values[1:, 0, 1] for result in both)
-    np.testing.assert_allclose(rate, right, atol=0.1 * sag * np.pi / 16 * abs(speed) + 0.01)

@@ -144,6 +144,12 @@ def _measures_modes_at_instants(tree: Tree, relation: str, found: Difference) ->
     return relation in ("output interval", "nothing added") and "does not converge by adding modes" in found.what
 
 
+def _sets_feet_down(tree: Tree, relation: str, found: Difference) -> bool:
+    """The foot that a walker sets down comes with its potential energy above z = 0, which a drive gives it."""
+    walks = any(load["kind"] == "walker" for load in tree["loads"].values())
+    return walks and found.what.startswith(("energy load_potential", "energy drive_work"))
+
+
 def _halves_its_steps(tree: Tree, relation: str, found: Difference) -> bool:
     """Bodies on the modes of a mesh take minutes, of which `check` warns."""
     bodies = any(load["kind"] not in ("force", "axles", "footsteps") for load in tree["loads"].values())
@@ -162,6 +168,7 @@ KNOWN: tuple[Known, ...] = (
         "c-p3-17", 2, "loads meet in one engine, and pass each other in another", lambda t, r, d: "loads met" in d.what
     ),
     Known("a-03", 3, "bodies on modes take 70 times as long as direct integration", _halves_its_steps),
+    Known("feet-set-down", 3, "the work of a walker's drive counts heights of feet from z = 0", _sets_feet_down),
     Known("vehicle-beyond-the-end", 3, "engines differ in where a vehicle is that has left its line", _has_left),
     Known("mass-over-support", 3, "bodies on modes change span at inner supports", _passes_a_support),
     Known("beams-on-slopes", 3, "an engine leaves out inertia along beams", _rides_on_a_slope),

@@ -186,15 +186,15 @@ def _energies(response: BodyResponse, chord: Chord, i: int) -> Array:
 
 
 def _body(response: BodyResponse, field: Field, body: Body, i: int) -> tuple[Array, Array]:
-    """Place and velocity of a body. It lies on the sag as its wheels do, though in this theory loads do not feel it."""
-    j, chord = response.system.wheels.tolist().index(body.wheel), field.chord
-    x = response.place[i, j] + field.scales[body.wheel] * body.ahead
-    near = np.clip(x + 1e-6 * chord.length * np.array([-1.0, 0.0, 1.0]), 0.0, chord.length)
-    sag = chord.sag(near, field.setting.strands.gravity)
-    place = chord.start + x * chord.along + sag[1]
-    speed = response.velocity * (chord.along + (sag[2] - sag[0]) / max(near[2] - near[0], 1e-12 * chord.length))
+    """Place of a body on the sag of the line, and its velocity, without the sag: here loads do not feel it."""
+    system, chord = response.system, field.chord
+    j = system.wheels.tolist().index(body.wheel)
+    place = chord.start + (response.place[i, j] + field.scales[body.wheel] * body.ahead) * chord.along
+    speed = response.velocity * chord.along
     if body.coordinates[-1] >= 0:
-        c = response.system.coordinates.index(body.coordinates[-1])
-        place[-1] += response.system.rest[c] - response.body[i, c]
+        c, own = system.coordinates.index(body.coordinates[-1]), response.body.shape[1]
+        sag = chord.sag(np.clip(response.place[i], 0.0, chord.length), field.setting.strands.gravity)[:, -1]
+        follows = np.linalg.lstsq(system.stiffness[:own, :own], -system.stiffness[:own, own:] @ sag)[0]
+        place[-1] += system.rest[c] - response.body[i, c] + follows[c]
         speed[-1] -= response.body_velocity[i, c]
     return place, speed
