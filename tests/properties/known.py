@@ -144,6 +144,12 @@ def _measures_modes_at_instants(tree: Tree, relation: str, found: Difference) ->
     return relation in ("output interval", "nothing added") and "does not converge by adding modes" in found.what
 
 
+def _strikes_the_end(tree: Tree, relation: str, found: Difference) -> bool:
+    """What stays at an end stops with a blow: an oscillator with the mass of its wheel, a vehicle with all of it."""
+    stays = any(load.get("travel", {}).get("at_end") == "stay" for load in tree["loads"].values())
+    return stays and tree["run"]["kind"] == "dynamic" and relation == "the same body"
+
+
 def _sets_feet_down(tree: Tree, relation: str, found: Difference) -> bool:
     """The foot that a walker sets down comes with its potential energy above z = 0, which a drive gives it."""
     walks = any(load["kind"] == "walker" for load in tree["loads"].values())
@@ -168,6 +174,7 @@ KNOWN: tuple[Known, ...] = (
         "c-p3-17", 2, "loads meet in one engine, and pass each other in another", lambda t, r, d: "loads met" in d.what
     ),
     Known("a-03", 3, "bodies on modes take 70 times as long as direct integration", _halves_its_steps),
+    Known("blow-at-the-end", 3, "bodies differ in the mass that stops at an end", _strikes_the_end),
     Known("feet-set-down", 3, "the work of a walker's drive counts heights of feet from z = 0", _sets_feet_down),
     Known("vehicle-beyond-the-end", 3, "engines differ in where a vehicle is that has left its line", _has_left),
     Known("mass-over-support", 3, "bodies on modes change span at inner supports", _passes_a_support),

@@ -100,6 +100,10 @@ def _points(setting: PreparedRun, state: ChainState, bodies: Bodies | None, s: i
             i = int(link_of(strands, loads, state, k))
             part = float(part_of(state, k, i))
             pressing += [(int(k), place[i], 1.0 - part), (int(k), place[i + 1], part)]
+        elif not setting.wheels[k].given and 0.0 <= state.xi[k] <= n * h:  # a foot, which is set down at t = 0
+            i = min(int(state.xi[k] / h), n - 1)
+            part = float(state.xi[k] / h - i)
+            pressing += [(int(k), place[first + i], 1.0 - part), (int(k), place[first + i + 1], part)]
     even = tuple(at for k, at, _ in pressing if _is_even(setting, state, bodies, k))
     return _StrandPoints(X, node, wheel, strands.gravity[:, None] * mass, tuple(pressing), even)
 
