@@ -48,7 +48,7 @@ def _differs_by_engine(found: Difference) -> bool:
 
 def _has_two_engines(tree: Tree, relation: str, found: Difference) -> bool:
     """Another engine computes the lines, with other nodes and contacts."""
-    return relation in ("nothing added", "joined lines") and _differs_by_engine(found)
+    return relation in ("nothing added", "joined lines", "two halves") and _differs_by_engine(found)
 
 
 def _runs_aside(tree: Tree, relation: str, found: Difference) -> bool:

@@ -65,9 +65,11 @@ def _motion(fields: Fields, none: Fields) -> dict[str, float]:
 
 
 def reciprocates(tree: Tree) -> bool:
-    """Whether a line moves linearly."""
+    """Whether a line moves linearly, and by the force alone: what supports excite depends on the step, too."""
     line = tree.get("lines", {}).get("rope")
     moves = line is not None and not {"sheaves", "saddles"} & set(line)  # over which its nodes move
+    ends = [(line or {}).get(key, {}) for key in ("start_support", "end_support")]
+    moves = moves and not any(isinstance(end.get("displacement"), dict) for end in ends)
     return _is_linear(tree) and moves and not tree.get("tracks")
 
 

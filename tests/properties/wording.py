@@ -40,7 +40,8 @@ def halves(tree: Tree, rng: Random) -> Sides:
         one["contact_force", name] = fields["contact_force", name] + fields["contact_force", "twin"]
         return one
 
-    return Sides(run(tree), with_fields(run(found), back), tolerance=TWO_ENGINES, only=comparable(tree))
+    right = with_fields(run(found), back)
+    return Sides(run(tree), right, TWO_ENGINES, comparable(tree), engines=engines(tree, found))
 
 
 # -- Joined lines ------------------------------------------------------------------------------------------------
