@@ -8,7 +8,6 @@
 ``locus``           path of a slowly moved load, its tensions and hold force; the ellipse
 ``friction``        friction that a load needs: capstan and point block
 ``bead``            bead that slides on a weightless rope, with and without friction, until it rests
-``periodic``        lines on periodic supports: pass bands, propagation constants, moving force
 ``cable``           natural frequencies and modes of a shallow sagging cable
 ``whirl``           taut line at large amplitude, planar and circular; the skipping rope
 ``beam``            force, mass, oscillator, vehicle crossing a beam; frequencies, buckling, impact factors
@@ -44,7 +43,6 @@ if TYPE_CHECKING:
         lateral_balance,
         locus,
         membrane,
-        periodic,
         pulley,
         rope,
         selfsimilar,
@@ -66,7 +64,6 @@ __all__ = [
     "lateral_balance",
     "locus",
     "membrane",
-    "periodic",
     "pulley",
     "rope",
     "selfsimilar",
