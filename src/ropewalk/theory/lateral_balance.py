@@ -19,26 +19,14 @@ from ropewalk.theory.gait import step_width
 
 __all__ = [
     "DeckWalk",
-    "body_sway",
     "critical_number",
     "deck_walk",
-    "force_harmonics",
     "peak_force",
     "self_excited_force",
     "sway_growth",
 ]
 
 FloatArray = NDArray[np.float64]
-
-
-def body_sway(*, margin: ArrayLike, step_time: ArrayLike, leg_length: ArrayLike, gravity: float = 9.81) -> FloatArray:
-    """Return how far the body swings to either side of its path in steady walking on still ground, in m.
-
-    Arguments and errors as in `gait.step_width`; they broadcast. ``width/2 - b exp(Omega T/2) = b/2 (exp(Omega T/2) -
-    1)^2``, in the middle of each step: half the width of the steps less the least distance from the foot.
-    """
-    width = step_width(margin=margin, step_time=step_time, leg_length=leg_length, gravity=gravity)
-    return np.asarray(0.5 * width - _nearest(margin, step_time, leg_length, gravity))
 
 
 def peak_force(
@@ -52,34 +40,6 @@ def peak_force(
     _arguments.positive(mass=mass)
     width = step_width(margin=margin, step_time=step_time, leg_length=leg_length, gravity=gravity)
     return np.asarray(0.5 * mass * gravity / np.asarray(leg_length) * width)
-
-
-def force_harmonics(
-    count: int, *, mass: float, margin: float, step_time: float, leg_length: float, gravity: float = 9.81
-) -> FloatArray:
-    """Return the amplitudes of the force on still ground at 1/(2T), 3/(2T), ... (the first ``count``), in N.
-
-    Args:
-        count: 1 or more.
-        mass: kg.
-        margin, step_time, leg_length, gravity: as in `gait.step_width`.
-
-    Returns:
-        (count,): ``F(t) = sum_j F_j sin((2 j - 1) pi t/T)`` from the moment in which a foot is placed on the side to
-        which F counts; nothing at even multiples, as left and right steps mirror each other.
-
-    Raises:
-        ValueError: an argument out of range.
-
-    With ``w = (2 j - 1) pi/T`` a force that is ``m Omega^2`` times the distance from foot to body, and minus m times
-    the body's acceleration, has ``F_j = 2 m width Omega^2 w / (T (Omega^2 + w^2))``.
-    """
-    if count < 1:
-        raise ValueError(f"count must be 1 or more, not {count}")
-    _arguments.positive(mass=mass, margin=margin, step_time=step_time, leg_length=leg_length, gravity=gravity)
-    width = float(step_width(margin=margin, step_time=step_time, leg_length=leg_length, gravity=gravity))
-    w, square = (2.0 * np.arange(count) + 1.0) * np.pi / step_time, gravity / leg_length
-    return np.asarray(2.0 * mass * width * square * w / (step_time * (square + w**2)))
 
 
 def self_excited_force(
@@ -287,10 +247,3 @@ def _over_step(
     y = still + away * c + velocity / rate * s - rate * (np.sinh(left) * moved).sum(axis=1)
     v = away * rate * s + velocity * c - rate**2 * (np.cosh(left) * moved).sum(axis=1)
     return np.asarray(y), np.asarray(v)
-
-
-def _nearest(margin: ArrayLike, step_time: ArrayLike, leg_length: ArrayLike, gravity: float) -> FloatArray:
-    """Least distance of the body from the foot that bears, m."""
-    return np.asarray(
-        np.asarray(margin) * np.exp(0.5 * np.sqrt(gravity / np.asarray(leg_length)) * np.asarray(step_time))
-    )

@@ -15,14 +15,10 @@ from ropewalk.theory import _arguments
 
 __all__ = [
     "circle_frequencies",
-    "circle_patch_load",
-    "circle_point_load",
-    "circle_ring_load",
     "moving_force",
     "moving_force_mode",
     "net_deflection",
     "net_frequencies",
-    "patch_load_mean",
     "point_load",
     "rectangle_frequency",
 ]
@@ -31,7 +27,6 @@ FloatArray = NDArray[np.float64]
 Pair = tuple[float, float]
 
 _IMAGES = 6  # on each side: the next is below exp(-13 pi) of the first
-_PATCH_ERROR = 1e-12  # relative, of `patch_load_mean`
 
 
 def rectangle_frequency(m: ArrayLike, n: ArrayLike, *, sides: Pair, tension: float | Pair, mass: float) -> FloatArray:
@@ -89,56 +84,6 @@ def point_load(x: ArrayLike, y: ArrayLike, *, at: Pair, force: float, sides: Pai
     images = 2.0 * b * np.arange(-_IMAGES, _IMAGES + 1)
     total = sum(logarithm(y - y0 - shift) - logarithm(y + y0 - shift) for shift in images)
     return np.asarray(force / (4.0 * np.pi * np.sqrt(nx * ny)) * total)
-
-
-def patch_load_mean(*, at: Pair, patch: Pair, force: float, sides: Pair, tension: float | Pair) -> float:
-    """Return the mean deflection of a rectangular patch under a load that is uniform on it, in m.
-
-    Args:
-        at: middle of the patch, m.
-        patch: its sides (p, q) along x and y, m, at least 1e-3 of those of the rectangle; it lies inside.
-        force: the whole load, N.
-        sides: (a, b), m.
-        tension: N/m, one or (N_x, N_y).
-
-    Raises:
-        ValueError: an argument out of range.
-
-    Half the force times it is the energy. ``2F/(a N_y) sum_m s_m^2 g_m``, ``s_m`` the mean of ``sin(m pi x/a)`` over p,
-    ``g_m`` the mean over q of ``sinh(k y_<) sinh(k (b - y_>))/(k sinh(k b))``, ``k = m pi/a sqrt(N_x/N_y)``, in closed
-    form; terms fall off as 1/m^4, and as many are summed as leave an error of 1e-12 of the sum. Derived here.
-    """
-    (a, b), (nx, ny) = _rectangle(sides, tension)
-    (x0, y0), (p, q) = _inside(at, (a, b)), patch
-    _arguments.positive(patch_along_x=p, patch_along_y=q)
-    _arguments.finite(force=force)
-    roundings = 1e-12
-    if max(0.5 * p - x0, x0 + 0.5 * p - a) > roundings * a or max(0.5 * q - y0, y0 + 0.5 * q - b) > roundings * b:
-        raise ValueError(f"the patch must lie inside the rectangle of {a:g} m x {b:g} m")
-    if p < 1e-3 * a or q < 1e-3 * b:
-        raise ValueError(f"the sides of the patch must be at least 1e-3 of those of the rectangle, not {patch}")
-    ratio = np.sqrt(nx / ny)
-    if b * ratio < a:  # terms with e^(-k b) then cancel least
-        a, b, x0, y0, p, q, nx, ny, ratio = b, a, y0, x0, q, p, ny, nx, 1.0 / ratio
-    terms = int((0.04 * a**3 / (q * ratio * p**2) / _PATCH_ERROR) ** (1 / 3)) + 10  # 3.5 million at most
-    low, high = max(y0 - 0.5 * q, 0.0), min(y0 + 0.5 * q, b)
-    total = 0.0
-    for first in range(1, terms + 1, 100_000):
-        m = np.arange(first, min(first + 100_000, terms + 1))
-        k = m * (np.pi / a) * ratio
-        share = np.sin(np.pi * m * x0 / a) * np.sinc(0.5 * m * p / a)
-        total += float(np.sum(share**2 * _mean_green(k, low, high, b)))
-    return 2.0 * force / (a * ny) * total
-
-
-def _mean_green(k: FloatArray, low: float, high: float, b: float) -> FloatArray:
-    """Mean of ``sinh(k y_<) sinh(k (b - y_>))/(k sinh(k b))`` for both arguments within low..high."""
-    q = high - low
-    x = k * q
-    near = 2.0 * (x + np.expm1(-x))
-    far = 2.0 * (np.exp(x - 2.0 * k * b) - (1.0 + x) * np.exp(-2.0 * k * b))
-    at_zero, at_b = (np.exp(-k * d) * np.expm1(-x) for d in (low, b - high))
-    return np.asarray((near + far - at_zero**2 - at_b**2) / (-2.0 * k * x**2 * np.expm1(-2.0 * k * b)))
 
 
 def moving_force_mode(
@@ -286,58 +231,6 @@ def circle_frequencies(*, radius: float, tension: float, mass: float, diameters:
             f"diameters must be a whole number of at least 0 and count of at least 1, not {diameters} and {count}"
         )
     return np.asarray(jn_zeros(diameters, count) / radius * np.sqrt(tension / mass))
-
-
-def circle_ring_load(r: ArrayLike, *, ring: float, force: float, radius: float, tension: float) -> FloatArray:
-    """Return the static deflection of a circle under a load uniform on a ring, in m, shape of ``r``.
-
-    ``r`` (m, 0..radius) from the centre, ``ring`` the radius of the load in m, positive and below ``radius``, ``force``
-    the whole of it in N, ``tension`` in N/m. `ValueError` out of range. ``F/(2 pi N) ln(R/max(r, ring))``.
-    """
-    r = _circle(r, ring, force, radius, tension)
-    return np.asarray(force / (2.0 * np.pi * tension) * np.log(radius / np.maximum(r, ring)))
-
-
-def circle_patch_load(r: ArrayLike, *, patch: float, force: float, radius: float, tension: float) -> FloatArray:
-    """Return the static deflection of a circle under a load uniform on a concentric disc, in m, shape of ``r``.
-
-    ``patch`` is the radius of the disc in m, positive and at most ``radius``; the rest as in `circle_ring_load`.
-    ``F/(2 pi N) ln(R/r)`` next to the patch, ``F/(2 pi N) (ln(R/c) + (1 - r^2/c^2)/2)`` on it; 1/4 instead of the last
-    term is its mean there.
-    """
-    r = _circle(r, patch, force, radius, tension)
-    beyond = np.log(radius / np.maximum(r, patch))
-    return np.asarray(force / (2.0 * np.pi * tension) * (beyond + 0.5 * np.maximum(1.0 - (r / patch) ** 2, 0.0)))
-
-
-def circle_point_load(
-    x: ArrayLike, y: ArrayLike, *, at: Pair, force: float, radius: float, tension: float
-) -> FloatArray:
-    """Return the static deflection of a circle about the origin under a point load, in m; infinite at the load.
-
-    ``x`` and ``y`` (m, inside the circle) broadcast; ``at`` is the load's place in m, inside; ``force`` in N,
-    ``tension`` in N/m. `ValueError` out of range. By the image beyond the rim: ``F/(2 pi N) ln(|R^2 - z conj(z_0)|/(R
-    |z - z_0|))``.
-    """
-    _arguments.positive(radius=radius, tension=tension)
-    _arguments.finite(force=force)
-    z = np.asarray(x, dtype=np.float64) + 1j * np.asarray(y, dtype=np.float64)
-    load = complex(*at)
-    if not abs(load) < radius:
-        raise ValueError(f"the load must stand inside the circle of radius {radius:g} m, not at {at}")
-    if not np.all(np.abs(z) <= radius * (1.0 + 1e-12)):
-        raise ValueError(f"x and y must lie inside the circle of radius {radius:g} m")
-    with np.errstate(divide="ignore"):
-        logarithm = np.log(np.abs(radius**2 - z * load.conjugate()) / (radius * np.abs(z - load)))
-    return np.asarray(force / (2.0 * np.pi * tension) * logarithm)
-
-
-def _circle(r: ArrayLike, loaded: float, force: float, radius: float, tension: float) -> FloatArray:
-    _arguments.positive(radius=radius, tension=tension)
-    _arguments.finite(force=force)
-    if not 0.0 < loaded <= radius:
-        raise ValueError(f"the load's radius must be positive and at most the circle's {radius:g} m, not {loaded}")
-    return _arguments.within(0.0, radius, r=r)[0]
 
 
 def _pair(tension: float | Pair) -> Pair:
