@@ -1,7 +1,7 @@
 """Closed forms and semi-analytic solutions, the references that the simulation is checked against.
 
 ==================  =====================================================================================
-``string``          what moves along a taut string: force (exact, modal), any course, mass, oscillator
+``string``          a taut string under a moving force (exact, modal), mass and oscillator
 ``rope``            ropes at rest under clamped point loads, heavy or weightless, elastic or inextensible
 ``shooting``        the same ropes by integration from the start and walking the miss to zero
 ``pulley``          ropes at rest under frictionless loads and the forces that hold them
@@ -9,14 +9,14 @@
 ``friction``        friction that a load needs: capstan and point block
 ``bead``            bead that slides on a weightless rope, with and without friction, until it rests
 ``cable``           natural frequencies and modes of a shallow sagging cable
-``whirl``           taut line at large amplitude, planar and circular; the skipping rope
+``whirl``           circular whirls of a taut line at large amplitude
 ``beam``            force, mass, oscillator, vehicle crossing a beam; frequencies, buckling, impact factors
 ``beam_vehicle``    the vehicles: matrices of linear bodies on wheels
 ``foundation``      load moving on an infinite string or beam on an elastic, viscous bed
 ``selfsimilar``     nonlinear string without ends: transverse impact, force that starts to move
 ``chain``           natural frequencies of the straight chain of links
-``membrane``        rectangular and circular membranes, the net of taut strings, force crossing a rectangle
-``gait``            walking: forces by harmonics, two spring legs, balance to the side
+``membrane``        frequencies of rectangular membranes, deflection of nets of taut strings
+``gait``            walking: forces by harmonics
 ``highline``        person on an elastic webbing: sag, tension, frequencies
 ``lateral_balance`` people on a deck that sways: gait in closed form, negative damping
 ==================  =====================================================================================

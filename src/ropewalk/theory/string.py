@@ -22,19 +22,16 @@ from numpy.typing import ArrayLike
 from ropewalk.theory._passage import Passage, passage_at
 from ropewalk.theory._wave import FloatArray, check_string, wave_speed
 from ropewalk.theory.image_sum import travelling_force
-from ropewalk.theory.moving_mass import MassPassage, moving_mass, moving_mass_infinite
-from ropewalk.theory.moving_oscillator import OscillatorPassage, moving_oscillator, moving_oscillator_infinite
+from ropewalk.theory.moving_mass import MassPassage, moving_mass
+from ropewalk.theory.moving_oscillator import OscillatorPassage, moving_oscillator
 
 __all__ = [
     "MassPassage",
     "OscillatorPassage",
     "moving_force",
     "moving_force_path",
-    "moving_forces",
     "moving_mass",
-    "moving_mass_infinite",
     "moving_oscillator",
-    "moving_oscillator_infinite",
     "travelling_force",
     "wave_speed",
 ]
@@ -80,31 +77,6 @@ def moving_force_path(
     check_string(speed=speed, length=length, tension=tension, mass=mass)
     place = np.clip(speed * np.asarray(t, dtype=np.float64), 0.0, length)
     return moving_force(place, t, force=force, speed=speed, length=length, tension=tension, mass=mass)
-
-
-def moving_forces(
-    x: ArrayLike,
-    t: ArrayLike,
-    *,
-    forces: ArrayLike,
-    speeds: ArrayLike,
-    entries: ArrayLike,
-    length: float,
-    tension: float,
-    mass: float,
-) -> FloatArray:
-    """Return the deflection under several moving forces by superposition, in m.
-
-    ``forces`` (N), ``speeds`` (m/s) and ``entries`` (s, when each reaches x = 0) broadcast to one value for each load.
-    The rest, errors included, is as in `moving_force`. Axles in fixed distances d enter at d/V after one another.
-    """
-    x, t = np.asarray(x, dtype=np.float64), np.asarray(t, dtype=np.float64)
-    total = np.zeros(np.broadcast_shapes(x.shape, t.shape))
-    for force, speed, entry in np.broadcast(np.atleast_1d(forces), speeds, entries):
-        total += moving_force(
-            x, t - entry, force=float(force), speed=float(speed), length=length, tension=tension, mass=mass
-        )
-    return total
 
 
 def _modal_shape(x: FloatArray, passage: Passage, modes: int) -> FloatArray:
