@@ -116,7 +116,7 @@ JSON = {
     "an early end is refused": ('{"a":\n', 2, "ends too early"),
     "an open text is refused": ('{"a": "b}', 1, "Unterminated string"),
     "a trailing comma is refused": ('{"a": 1,\n}', 2, "double quotes"),
-    "text after the end is refused": ('{"a": 1}\n}', 2, "after the end"),
+    "text after the end is refused": ('{"a": 1}\n}', 2, "Extra data"),
     "an empty text is refused": ("", 1, "is empty"),
     "a list at the top is refused": ("\n[1]", 2, "a list instead of"),
     "null at the top is refused": ("null", 1, "is empty"),
