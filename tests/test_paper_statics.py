@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from closed_forms import slow_loads
 from ropewalk.model.load import Contact
 from ropewalk.paper import (
     AVAILABLE,
@@ -20,7 +21,6 @@ from ropewalk.paper import (
     walk_figure,
 )
 from ropewalk.paper.slow_walk import LoadPath, Rope
-from ropewalk.theory import locus
 
 
 @cache
@@ -48,7 +48,7 @@ def test_a_rope_says_all_that_it_was_computed_with() -> None:
 def test_the_walks_of_figures_2_to_4_are_those_of_the_closed_forms(rope: Rope, contact: Contact) -> None:
     found = way(rope, contact)
     chosen = np.linspace(12, found.xi.size - 13, 9).astype(int)  # not where the path turns back
-    route = locus.clamped if contact == "clamped" else locus.frictionless
+    route = slow_loads.clamped if contact == "clamped" else slow_loads.frictionless
     exact = route(
         span=rope.span, length=rope.length, weight=rope.weight, axial_stiffness=rope.axial_stiffness,
         force=(0.0, -rope.load), xi=found.xi[chosen],

@@ -4,8 +4,7 @@
 ``string``          a taut string under a moving force (exact, modal), mass and oscillator
 ``rope``            ropes at rest under clamped point loads, heavy or weightless, elastic or inextensible
 ``shooting``        the same ropes by integration from the start and walking the miss to zero
-``pulley``          ropes at rest under frictionless loads and the forces that hold them
-``locus``           path of a slowly moved load, its tensions and hold force; the ellipse
+``locus``           ellipse of a slowly moved frictionless load
 ``friction``        friction that a load needs: capstan and point block
 ``bead``            bead that slides on a weightless rope, with and without friction, until it rests
 ``cable``           natural frequencies and modes of a shallow sagging cable
@@ -43,7 +42,6 @@ if TYPE_CHECKING:
         lateral_balance,
         locus,
         membrane,
-        pulley,
         rope,
         selfsimilar,
         shooting,
@@ -64,7 +62,6 @@ __all__ = [
     "lateral_balance",
     "locus",
     "membrane",
-    "pulley",
     "rope",
     "selfsimilar",
     "shooting",
