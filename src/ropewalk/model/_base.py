@@ -80,7 +80,7 @@ def report(title: str, findings: Iterable[Finding]) -> None:
         raise ValidationError.from_exception_data(title, details)
 
 
-class Reading:
+class FieldReader:
     """Base of annotations: `read` makes the value, `write` (optional) what a file has, `json_form` the schema."""
 
     write: ClassVar[Any] = None

@@ -9,14 +9,14 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from ropewalk.errors import Refused
-from ropewalk.model._base import Declaration, Finding, Path, Reading
+from ropewalk.model._base import Declaration, FieldReader, Finding, Path
 from ropewalk.model.quantity import Count, PositiveTime
 
 _MOST = 10_000
 
 
 @dataclass(frozen=True)
-class SpanAndNumber(Reading):
+class SpanAndNumber(FieldReader):
     """Annotation: droppers as pairs of counts, their span and their number in it."""
 
     def read(self, value: object) -> tuple[tuple[int, int], ...]:

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, StrictBool, model_validator
 
 from ropewalk.errors import Refused
-from ropewalk.model._base import Declaration, Finding, Reading, report
+from ropewalk.model._base import Declaration, FieldReader, Finding, report
 from ropewalk.model.exchange import Exchange
 from ropewalk.model.history import SpeedHistory
 from ropewalk.model.quantity import Name, Number, Offset, PositiveTime, Station, Way
@@ -20,7 +20,7 @@ Value = bool | int | float | str
 
 
 @dataclass(frozen=True)
-class _Values(Reading):
+class _Values(FieldReader):
     """Annotation: values of variables by name."""
 
     def read(self, value: Any) -> dict[str, Value]:

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from ropewalk.errors import Refused, did_you_mean
-from ropewalk.model._base import Declaration, Finding, Reading, report
+from ropewalk.model._base import Declaration, FieldReader, Finding, report
 from ropewalk.model.head import PantographHead
 from ropewalk.model.history import SpeedHistory, SpeedTable
 from ropewalk.model.pantographs import PUBLISHED, TARGETS, Published
@@ -49,7 +49,7 @@ class PantographTravel(Declaration):
 
 
 @dataclass(frozen=True)
-class _ForceOrTarget(Reading):
+class _ForceOrTarget(FieldReader):
     """Annotation: a force, or the name of what a standard asks for."""
 
     when_written = "json-unless-none"
@@ -71,7 +71,7 @@ class _ForceOrTarget(Reading):
 
 
 @dataclass(frozen=True)
-class _FileOrEach(Reading):
+class _FileOrEach(FieldReader):
     """Annotation: the name of a file, or of one for each of several lines."""
 
     def read(self, value: object) -> str | dict[str, str]:

@@ -11,14 +11,14 @@ from pydantic.fields import FieldInfo
 from pydantic_core import InitErrorDetails, core_schema
 
 from ropewalk.errors import Refused
-from ropewalk.model._base import Reading
+from ropewalk.model._base import FieldReader
 from ropewalk.units import SMALLEST, to_si, written
 
 Sign = Literal["any", "positive", "not negative"]
 
 
 @dataclass(frozen=True)
-class Quantity(Reading):
+class Quantity(FieldReader):
     """Annotation: a float in an SI unit, read from a number or from text with a unit.
 
     Args:
@@ -60,7 +60,7 @@ class Quantity(Reading):
 
 
 @dataclass(frozen=True)
-class Components(Reading):
+class Components(FieldReader):
     """Annotation: two or three quantities, [x, z] or [x, y, z], kept as a tuple of floats."""
 
     unit: str
@@ -92,7 +92,7 @@ class Components(Reading):
 
 
 @dataclass(frozen=True)
-class OneOrEach(Reading):
+class OneOrEach(FieldReader):
     """Annotation: one quantity for all directions, or two or three of them, [x, z] or [x, y, z]."""
 
     unit: str
@@ -122,7 +122,7 @@ class OneOrEach(Reading):
 
 
 @dataclass(frozen=True)
-class Rows(Reading):
+class Rows(FieldReader):
     """Annotation: a list of lists of plain numbers, or an array, kept as a tuple of tuples of floats."""
 
     def read(self, value: object) -> tuple[tuple[float, ...], ...]:
@@ -155,7 +155,7 @@ class Rows(Reading):
 
 
 @dataclass(frozen=True)
-class Listed(Reading):
+class Listed(FieldReader):
     """Annotation: a list of quantities, kept as a tuple of floats.
 
     Args:
@@ -227,7 +227,7 @@ class AutoLength(float):
 
 
 @dataclass(frozen=True)
-class LengthOrAuto(Reading):
+class LengthOrAuto(FieldReader):
     """Annotation: a length above 0 in m, read from a number or from text with a unit, or `auto`, which is infinite."""
 
     when_written = "json-unless-none"
@@ -248,7 +248,7 @@ class LengthOrAuto(Reading):
 
 
 @dataclass(frozen=True)
-class Count(Reading):
+class Count(FieldReader):
     """Annotation: a whole number between two bounds, or, where `auto` says which one stands for it, `auto`."""
 
     least: int

@@ -10,7 +10,7 @@ from pydantic import Field, GetCoreSchemaHandler, TypeAdapter
 from pydantic_core import core_schema
 
 from ropewalk.errors import Refused
-from ropewalk.model._base import Declaration, Reading
+from ropewalk.model._base import Declaration, FieldReader
 from ropewalk.model.quantity import Count, Lengths, PositiveLength
 
 MOST_SPANS = 10_000
@@ -49,7 +49,7 @@ class ListOrSpans:
 
 
 @dataclass(frozen=True)
-class FirstAndLast(Reading):
+class FirstAndLast(FieldReader):
     """Annotation: two counts, the numbers of the first and the last span."""
 
     def read(self, value: object) -> tuple[int, int]:

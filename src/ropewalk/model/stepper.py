@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from ropewalk.errors import Refused
-from ropewalk.model._base import Declaration, Finding, Path, Reading, report
+from ropewalk.model._base import Declaration, FieldReader, Finding, Path, report
 from ropewalk.model.exchange import Exchange
 from ropewalk.model.quantity import Offset, PositiveTime, Way
 from ropewalk.model.travel import ON_NETS, AtEnd, Place
@@ -19,7 +19,7 @@ _DEEPEST = 20
 
 
 @dataclass(frozen=True)
-class _Model(Reading):
+class _Model(FieldReader):
     """Annotation: an object with `step`, or text that says where to find what makes one."""
 
     def read(self, value: Any) -> Any:
@@ -45,7 +45,7 @@ class _Model(Reading):
 
 
 @dataclass(frozen=True)
-class _Options(Reading):
+class _Options(FieldReader):
     """Annotation: arguments by name, of values that a file can hold."""
 
     def read(self, value: Any) -> dict[str, Any]:

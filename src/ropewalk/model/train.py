@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from ropewalk.errors import Refused, did_you_mean
-from ropewalk.model._base import Declaration, Finding, Reading, report
+from ropewalk.model._base import Declaration, FieldReader, Finding, report
 from ropewalk.model.axles import TrainTravel, onward
 from ropewalk.model.contact import LIFT_OFF
 from ropewalk.model.history import SpeedTable
@@ -27,7 +27,7 @@ NEXT = "next."
 
 
 @dataclass(frozen=True)
-class _Names(Reading):
+class _Names(FieldReader):
     """Annotation: names in order, of which one that comes several times may be written with its number, 8 coach."""
 
     def read(self, value: object) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 from ropewalk.errors import Refused
-from ropewalk.model._base import Reading
+from ropewalk.model._base import FieldReader
 from ropewalk.model.quantity import Quantity
 from ropewalk.units import written
 
@@ -37,7 +37,7 @@ class RunEnd(Quantity):
     """Annotation: a positive time, or until all loads have crossed."""
 
     unit: str = "s"
-    __get_pydantic_core_schema__ = Reading.__get_pydantic_core_schema__  # that of Quantity reads plain numbers only
+    __get_pydantic_core_schema__ = FieldReader.__get_pydantic_core_schema__  # that of Quantity reads plain numbers only
 
     def read(self, value: object) -> float:
         if isinstance(value, Crossing):

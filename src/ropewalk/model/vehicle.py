@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from ropewalk.errors import Refused, did_you_mean
-from ropewalk.model._base import Declaration, Finding, Reading, report
+from ropewalk.model._base import Declaration, FieldReader, Finding, report
 from ropewalk.model.contact import CONTACT_STIFFNESS, LIFT_OFF, SIDE, Side, one_sided, soft_contact
 from ropewalk.model.quantity import (
     Acceleration,
@@ -43,7 +43,7 @@ class Wheel(Declaration):
 
 
 @dataclass(frozen=True)
-class _TwoNames(Reading):
+class _TwoNames(FieldReader):
     """Annotation: two names in a list."""
 
     def read(self, value: object) -> tuple[str, str]:
