@@ -10,9 +10,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from scenario_reference import PAGES, SECTIONS, declarations, refreshed
+
 import ropewalk
 from ropewalk import theory
-from ropewalk.scenario.reference import PAGES, SECTIONS, declarations, refreshed
 
 PAGE = Path(__file__).with_name("reference.md")
 THEORY = Path(__file__).with_name("theory.md")

@@ -11,8 +11,9 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
+from closed_forms import slow_loads
 from continuous_beams import mode_of_two_spans, wave_numbers
-from ropewalk.theory import beam, foundation, locus
+from ropewalk.theory import beam, foundation
 from ropewalk.theory.beam_crossing import Crossing
 from ropewalk.theory.beam_vehicle import oscillator, rigid_body
 from ropewalk.theory.rope import elastic_catenary
@@ -39,7 +40,7 @@ def zip_line_speed(mass: float = 79.0, rolling: float = 0.015, drag: float = 0.3
 def slope_where_it_stands(result: xr.Dataset) -> float:
     """Of the way of a pulley without friction with 94 kg on the rope of zip-line-brake.yaml, where that run ends."""
     x = float(result.contact_position[-1, 0, 0])
-    way = locus.frictionless(
+    way = slow_loads.frictionless(
         span=150.0, height=-14.0, length=150.9, weight=0.55 * G, axial_stiffness=6e6, force=(0.0, -94.0 * G), x=x
     )
     return float(way.slope)

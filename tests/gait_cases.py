@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ropewalk.theory import gait
+from closed_forms import spring_legs
 
 # 80 kg, 1 m, 14 kN/m, 69 degrees, 816 J.
-LEGS = gait.SpringLegs(mass=80.0, leg_length=1.0, stiffness=14e3, attack_angle=np.radians(69.0))
-GAIT = gait.gaits(LEGS, energy=816.0)[0]
+LEGS = spring_legs.SpringLegs(mass=80.0, leg_length=1.0, stiffness=14e3, attack_angle=np.radians(69.0))
+GAIT = spring_legs.gaits(LEGS, energy=816.0)[0]

@@ -24,7 +24,6 @@ from ropewalk.simulate import simulate
 from ropewalk.theory import friction
 from ropewalk.theory.highline import stand
 from ropewalk.theory.rope import RestingRope, elastic_catenary
-from ropewalk.validation.programs import bridge_under_the_coach
 from rough_bridge import over_its_modes
 
 SHORT = ("run.until=2 s", "run.every=50 ms")
@@ -170,24 +169,6 @@ def least_contact_force(result: xr.Dataset) -> float:
     return float(force[(xi > 0.05 * float(result.xi[-1])) & (xi < 0.95 * float(result.xi[-1]))].min())
 
 
-def largest_contact_force(result: xr.Dataset) -> float:
-    """On the line, downwards, of all contacts, N."""
-    return float(-result.contact_force.sel(axis="z").min())
-
-
-def deepest_node(result: xr.Dataset) -> float:
-    """Smallest z of the line, m."""
-    return float(result.position.sel(axis="z").min())
-
-
-def mean_force_of_a_bounce(result: xr.Dataset) -> float:
-    """Mean contact force between the first two times that it is largest, N."""
-    force = -result.contact_force.sel(axis="z", contact=0).to_numpy()
-    inner = force[1:-1]
-    first, second = 1 + np.flatnonzero((inner > force[:-2]) & (inner >= force[2:]) & (inner > force.mean()))[:2]
-    return float(force[first:second].mean())
-
-
 def collection(name: str, scale: float = 1.0) -> Callable[[xr.Dataset], float]:
     """A statistic of the pantograph."""
     return lambda result: scale * float(getattr(contact_statistics(result)["pantograph"], name))
@@ -296,7 +277,6 @@ CRAB = elastic_catenary(
     span=120.0, length=120.8, weight=9.0 * 9.81, axial_stiffness=1.2e8, loads=[(30.0, (0.0, -6500.0 * 9.81))]
 )
 LORRY = routes.lorry_crossing()
-NEEDS = {"uvec-on-bridge.yaml": "UVEC", "exudyn-vehicle.yaml": "exudyn", "crane-on-rope.yaml": "py_crane"}
 """Modules of packages that are not always there, by example."""
 KNOWN = {
     # Converged answers on which two formulations agree; tests/overhead/test_en50318_2002.py has all quantities and the
@@ -641,20 +621,6 @@ KNOWN = {
         # The bogie still swings a little from where it entered, so that its axle loads are not quite the static ones.
         Known("that of an endless track, m", deflection_at_midspan, routes.endless_track_under_two_axles(), 3e-4),
     ],
-    "uvec-on-bridge.yaml": [
-        # By 12 modes, with the tangents of the Hertzian contacts. 48 elements, steps of 1 ms: 0.2 %.
-        Known("deflection at midspan, m", deflection_at_midspan, bridge_under_the_coach(), 1.5e-5),
-    ],
-    "exudyn-vehicle.yaml": [
-        # That of kind: vehicle with the same data (tests/external/test_exudyn_vehicle.py).
-        Known("largest force of a wheel, N", largest_contact_force, 2552.0, 10.0),
-        Known("deepest place of the rope, m", deepest_node, -0.08634, 1e-4),
-    ],
-    "crane-on-rope.yaml": [
-        # The mean over a period is the weight of 12 t. The bounce is damped, and the force is largest a little before
-        # the crane turns round, by less the second time: 2.3 % more.
-        Known("mean force while it bounces once, N", mean_force_of_a_bounce, 12e3 * routes.G, 3.5e3),
-    ],
     "zip-line.yaml": [
         # The rope is lighter than she is but not massless: it moves with her, and she swings. 2.5 % are missing.
         Known("speed at the brake, m/s", speed_of_the_moving_load, routes.zip_line_speed(), 0.35),
@@ -809,8 +775,6 @@ KNOWN = {
 @pytest.mark.parametrize("name", sorted(path.name for path in FOLDER.iterdir()))
 def test_an_example_runs_and_gives_its_number(name: str) -> None:
     assert name in KNOWN, f"examples/{name} has no number here: every example asserts one"
-    if name in NEEDS:
-        pytest.importorskip(NEEDS[name], reason=f'{NEEDS[name]} is not installed: pip install "ropewalk[external]"')
     settings = {known.settings for known in KNOWN[name]}
     results = {s: simulate(load(FOLDER / name, s)) for s in settings}
     for result in results.values():

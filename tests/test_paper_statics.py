@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cache
 from math import sqrt
 from pathlib import Path
@@ -10,23 +9,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ropewalk.model import Equilibrium, Line, MovingForce, Scenario, Travel
+from closed_forms import slow_loads
 from ropewalk.model.load import Contact
 from ropewalk.paper import (
     AVAILABLE,
     figure2,
     figure3,
     figure4,
-    figure_linear_limits,
-    figure_softness,
     figures,
     slow_walk,
     walk_figure,
 )
 from ropewalk.paper.slow_walk import LoadPath, Rope
-from ropewalk.simulate import simulate
-from ropewalk.theory import locus
-from ropewalk.theory.rope import elastic_catenary
 
 
 @cache
@@ -34,13 +28,9 @@ def way(rope: Rope, contact: Contact) -> LoadPath:
     return slow_walk.way(rope, contact)
 
 
-@pytest.mark.parametrize("name", [2, 3, 4, "softness", "linear-limits"])
-def test_a_figure_is_written(name: int | str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("name", [2, 3, 4])
+def test_a_figure_is_written(name: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(walk_figure, "way", way)
-    if name == "softness":
-        monkeypatch.setattr(slow_walk, "POSITIONS", 9)
-        monkeypatch.setattr(slow_walk, "TURN", 0.5)
-    monkeypatch.setattr(figure_linear_limits, "PLACES", np.array([0.02, 0.5]))
     (written,) = figures(tmp_path, only=[name])
     assert written.name == f"figure-{name}.png"
     assert written.stat().st_size > 50_000
@@ -58,7 +48,7 @@ def test_a_rope_says_all_that_it_was_computed_with() -> None:
 def test_the_walks_of_figures_2_to_4_are_those_of_the_closed_forms(rope: Rope, contact: Contact) -> None:
     found = way(rope, contact)
     chosen = np.linspace(12, found.xi.size - 13, 9).astype(int)  # not where the path turns back
-    route = locus.clamped if contact == "clamped" else locus.frictionless
+    route = slow_loads.clamped if contact == "clamped" else slow_loads.frictionless
     exact = route(
         span=rope.span, length=rope.length, weight=rope.weight, axial_stiffness=rope.axial_stiffness,
         force=(0.0, -rope.load), xi=found.xi[chosen],
@@ -115,64 +105,3 @@ def test_the_linear_string_meets_a_rope_without_weight_in_the_middle(rope: Rope)
 def test_the_linear_string_of_figure_4_sags_under_its_own_weight_too() -> None:
     z, _ = slow_walk.linear_string(figure4.ROPE, 1000.0, np.array([10.0]))
     assert z == pytest.approx(-700.0 * 20.0 / 4000.0 - 19.62 * 22.0 * 20.0 / 8000.0, rel=1e-12)
-
-
-@pytest.mark.parametrize("tension", figure_softness.TENSIONS)
-def test_pre_stress_leaves_a_path_that_ends_with_the_slope_of_load_over_tension(tension: float) -> None:
-    """Between load and support the short piece carries the whole load, and the tension of the rest along x."""
-    rope = replace(figure_softness.ROPE, length=20.0 / (1.0 + tension / 1e5))
-    _, slope = slow_walk.way(rope, "clamped", half=True).path_slope()
-    assert slope[-1] == pytest.approx(700.0 / tension, rel=0.05)  # half a step from the end
-
-
-@pytest.mark.parametrize("weight", figure_softness.WEIGHTS)
-def test_so_does_weight_with_what_the_support_carries_anyhow(weight: float) -> None:
-    bare = elastic_catenary(span=20.0, length=20.0, weight=weight, axial_stiffness=1e5)
-    rope = replace(figure_softness.ROPE, weight=weight)
-    _, slope = slow_walk.way(rope, "clamped", half=True).path_slope()
-    exact = (700.0 + bare.end_reaction[1]) / bare.end_reaction[0]
-    assert slope[-1] == pytest.approx(exact, rel=0.05)
-
-
-def test_a_support_that_yields_downwards_takes_the_upright_end_away() -> None:
-    cases = figure_softness.family(
-        {"fixed": figure_softness.ROPE}
-        | {f"{k}": replace(figure_softness.ROPE, support=figure_softness.slider(k)) for k in (700.0, 200.0)}
-    )
-    fixed, stiff, soft = (case.clamped.path_slope()[1][-1] for case in cases)
-    assert fixed > 20.0
-    assert 3.0 < stiff < fixed
-    assert soft < 0.25
-
-
-@pytest.mark.parametrize(("place", "load", "prestrain"), [(0.5, 0.04, 2e-3), (0.1, 0.3, 1e-2), (0.02, 1.0, 1e-3)])
-def test_the_linear_limits_are_those_of_the_chain(place: float, load: float, prestrain: float) -> None:
-    EA = 1e6
-    length, W = 20.0 / (1.0 + prestrain), load * prestrain * EA
-    line = Line(start=(0.0, 0.0), end=(20.0, 0.0), length=length, mass=1.0, axial_stiffness=EA, elements=7)
-    on = MovingForce(on="line", force=(0.0, -W), travel=Travel(speed=1.0, start=place * length))
-    result = simulate(Scenario(gravity=0.0, lines={"line": line}, loads={"load": on}, run=Equilibrium()))
-    deflection = -float(result.contact_position[0, 0, 1])
-    excess = W * 20.0 * place * (1.0 - place) / (prestrain * EA) / deflection - 1.0
-    assert figure_linear_limits.linear_excess(place=place, load=load, prestrain=prestrain) == pytest.approx(
-        excess, rel=1e-8
-    )
-
-
-@pytest.mark.parametrize("error", figure_linear_limits.ERRORS)
-@pytest.mark.parametrize("place", [0.02, 0.3, 0.5])
-def test_a_limit_is_where_the_linear_string_is_off_by_that_much(place: float, error: float) -> None:
-    load = figure_linear_limits.limit(place=place, prestrain=1e-2, error=error)
-    found = figure_linear_limits.linear_excess(place=place, load=load, prestrain=1e-2)
-    assert found == pytest.approx(
-        error, rel=1e-3
-    )  # the root is found to 1e-4 of the load, the error goes as its square
-
-
-def test_small_slopes_have_a_limit_in_closed_form() -> None:
-    for place, error in ((0.5, 0.05), (0.1, 0.2), (0.3, 0.01)):
-        exact = [figure_linear_limits.limit(place=place, prestrain=p, error=error) for p in (1e-4, 1e-5)]
-        rule = [figure_linear_limits.small_slope_limit(place, p, error) for p in (1e-4, 1e-5)]
-        # 0.66 sqrt(P/EA) in the middle for 5 %; slopes of 1e-2 change it by their squares, and the root by 1e-4
-        assert exact == pytest.approx(rule, rel=2e-3)
-    assert figure_linear_limits.small_slope_limit(0.5, 1.0, 0.05) == pytest.approx(0.664, abs=5e-4)

@@ -1,4 +1,4 @@
-"""Figure 5 and the figure of bands show what the closed forms give."""
+"""Figure 5 shows what the closed forms give."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ropewalk.paper import figure5, figure_bands, figures
+from ropewalk.paper import figure5, figures
 
 
 def test_the_published_numbers_of_modes_give_half_of_the_deflection_under_the_load() -> None:
@@ -25,12 +25,5 @@ def test_figure_5_draws_both_series_and_the_exact_string_for_every_place() -> No
     assert float(np.interp(0.45, x, w)) == pytest.approx(0.45 / 1.9999, rel=1e-12)
 
 
-def test_the_figure_of_bands_shades_the_pass_bands() -> None:
-    """String with springs of 4 P/d: first band from 1.720667178039 rad/s to pi."""
-    waves = figure_bands.draw().axes[0]
-    band = waves.patches[0].get_extents().transformed(waves.transData.inverted())
-    assert (band.y0, band.y1) == pytest.approx((1.720667178039, np.pi), rel=1e-9)
-
-
-def test_both_are_written_by_name(tmp_path: Path) -> None:
-    assert [path.name for path in figures(tmp_path, only=[5, "bands"])] == ["figure-5.png", "figure-bands.png"]
+def test_figure_5_is_written_by_its_number(tmp_path: Path) -> None:
+    assert [path.name for path in figures(tmp_path, only=[5])] == ["figure-5.png"]

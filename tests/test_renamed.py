@@ -8,7 +8,6 @@ import pytest
 from typer.testing import CliRunner
 
 import ropewalk
-from ropewalk import theory
 from ropewalk.cli.app import app
 from ropewalk.renamed import with_old_arguments
 
@@ -33,15 +32,6 @@ def test_an_old_argument_is_the_new_one_with_a_warning() -> None:
     with pytest.warns(DeprecationWarning, match=r"asked\(rung=...\) was renamed to asked\(model=...\)"):
         assert asked(**{"rung": "linear"}) == "linear"
     assert asked(model="full") == "full"
-
-
-def test_an_old_argument_of_a_closed_form_is_the_new_one_with_a_warning() -> None:
-    rope = {"span": 10.0, "length": 11.0, "weight": 1.0, "loads": [(4.0, (0.0, -5.0))]}
-    with pytest.warns(DeprecationWarning, match="held was renamed to restrained"):
-        found = theory.pulley.resting(**rope, held="material")
-    assert found.load_forces.tolist() == theory.pulley.resting(**rope, restrained="material").load_forces.tolist()
-    with pytest.raises(TypeError, match="unexpected keyword argument 'hold'"):
-        theory.pulley.resting(**rope, hold="material")
 
 
 def test_what_is_no_name_is_refused() -> None:

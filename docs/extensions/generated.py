@@ -11,11 +11,11 @@ import gallery
 import make_reference
 import typer.main
 from pydantic import BaseModel
+from scenario_reference import SECTIONS, declarations, placed
 from sphinx.application import Sphinx
 
 import ropewalk
 from ropewalk.cli.app import app as command_line
-from ropewalk.scenario.reference import SECTIONS, declarations, placed
 
 ROOT = Path(__file__).parent.parent.parent
 CODE = re.compile(r"(?<![`:\w])`([^`]+)`(?!`)")

@@ -108,15 +108,15 @@ def test_json_keeps_line_numbers(as_json: str) -> None:
 
 
 JSON = {
-    "a missing comma is refused": ('{"a": 1\n "b": 2}', 2, "a comma or }"),
-    "an open list is refused": ('{"a": [1,\n 2', 2, "a comma or ]"),
+    "a missing comma is refused": ('{"a": 1\n "b": 2}', 2, "Expecting ','"),
+    "an open list is refused": ('{"a": [1,\n 2', 2, "Expecting ','"),
     "a key without quotes is refused": ("{\na: 1}", 2, "double quotes"),
-    "a key without colon is refused": ('{"a" 1}', 1, "colon"),
-    "a missing value is refused": ('{"a":\n}', 2, "expected a value"),
-    "an early end is refused": ('{"a":\n', 2, "ends too early"),
+    "a key without colon is refused": ('{"a" 1}', 1, "Expecting ':'"),
+    "a missing value is refused": ('{"a":\n}', 2, "Expecting value"),
+    "an early end is refused": ('{"a":\n', 2, "Expecting value"),
     "an open text is refused": ('{"a": "b}', 1, "Unterminated string"),
     "a trailing comma is refused": ('{"a": 1,\n}', 2, "double quotes"),
-    "text after the end is refused": ('{"a": 1}\n}', 2, "after the end"),
+    "text after the end is refused": ('{"a": 1}\n}', 2, "Extra data"),
     "an empty text is refused": ("", 1, "is empty"),
     "a list at the top is refused": ("\n[1]", 2, "a list instead of"),
     "null at the top is refused": ("null", 1, "is empty"),
@@ -135,6 +135,12 @@ def test_malformed_json(text: str, line: int, words: str) -> None:
 def test_a_duplicate_key_in_json_points_to_the_first() -> None:
     with pytest.raises(ScenarioError, match=r"case.json:2: gravity: the key occurs twice .*case.json:1"):
         loads('{"gravity": 1,\n"gravity": {"a": 2}, "lines": {}}', "case.json")
+
+
+def test_keys_of_a_duplicate_block_are_no_duplicates_themselves() -> None:
+    with pytest.raises(ScenarioError) as caught:
+        loads('{"lines": {"a": {"mass": 1}},\n"lines": {"a": {"mass": 2}}}', "case.json")
+    assert [problem.key for problem in caught.value.problems if "twice" in problem.wrong] == ["lines"]
 
 
 def test_words_that_json_lacks_are_refused_as_values() -> None:

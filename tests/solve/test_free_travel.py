@@ -16,6 +16,7 @@ import pytest
 import xarray as xr
 from scipy.integrate import solve_ivp
 
+from closed_forms import beads
 from ropewalk.model import Dynamic, FreeTravel, Guided, Line, MovingMass, Scenario, Start
 from ropewalk.model.wind import Wind
 from ropewalk.simulate import simulate
@@ -78,7 +79,7 @@ def way(result: xr.Dataset) -> np.ndarray:
 
 def test_a_bead_without_friction_swings_on_its_ellipse() -> None:
     result = slide(5.0, 10.0)
-    exact = bead.swing(result.time.values, start=5.0, mass=MASS, span=SPAN, length=LENGTH)
+    exact = beads.swing(result.time.values, start=5.0, mass=MASS, span=SPAN, length=LENGTH)
     # The mass of the rope is 0.2 % of the bead's, its stretch varies by 0.3 mm.
     assert np.abs(result.contact_position.values[:, 0, 0] - exact.x).max() < 0.03
     assert np.abs(result.contact_position.values[:, 0, 1] - exact.z).max() < 0.01

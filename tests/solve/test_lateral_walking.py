@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from closed_forms import lateral_steps
 from gait_cases import GAIT
 from ropewalk.mechanics.footfall import Footfall
 from ropewalk.mechanics.sideways import Sideways
 from ropewalk.model import Dynamic, Footsteps, Line, Scenario
 from ropewalk.simulate import simulate
-from ropewalk.theory import gait, lateral_balance
 
 GRAVITY = 9.81
 # Hardly moves: the ground of test_walkers.py.
@@ -178,11 +178,11 @@ def test_on_still_ground_every_step_is_exact(on_ground: xr.Dataset) -> None:
             ahead = side * (feet[first] - y[first] - v[first] / RATE) / HIM["margin"]
             assert 1.0 - 1e-3 < ahead < np.exp(RATE * 0.0021)
     widths = np.abs(np.diff([feet[step.start] for step in steps]))
-    exact = float(gait.step_width(step_time=GAIT.step_time, **HIM))
+    exact = float(lateral_steps.step_width(step_time=GAIT.step_time, **HIM))
     # The gait comes back to itself after a disturbance of 2 % a step, and output of 2 ms does not matter here.
     assert widths[1:] == pytest.approx(exact, rel=3e-3)
     force = across(on_ground, "contact_force").sum(axis=1)
-    peak = float(lateral_balance.peak_force(mass=80.0, step_time=GAIT.step_time, **HIM))
+    peak = float(lateral_steps.peak_force(mass=80.0, step_time=GAIT.step_time, **HIM))
     assert np.abs(force[t > 1.5]).max() < 1.15 * peak  # what is left of the beginning has shifted the path
 
 
@@ -250,7 +250,7 @@ def test_on_a_deck_that_is_swayed_the_body_is_where_the_theory_has_it(on_ground:
     landings = landings_of(on_ground)
     i = int(np.searchsorted(t, landings[0]))
     back = t[i] - landings[0]  # less than 2 ms
-    walk = lateral_balance.deck_walk(
+    walk = lateral_steps.deck_walk(
         t[i:], deck, mass=80.0, landings=landings[landings < 2.2], side=-1, **HIM,
         position=y[i] - v[i] * back - 0.5 * force[i] / 80.0 * back**2, velocity=v[i] + force[i] / 80.0 * back,
     )  # fmt: skip
@@ -302,7 +302,7 @@ def test_who_steps_in_time_balances_as_the_theory_has_it() -> None:
     result = goes(ground, load, 3.2, 0.002)
     force = across(result, "contact_force").sum(axis=1)
     t, nearest = result.time.values, HIM["margin"] * np.exp(0.5 * a * period)
-    walk = lateral_balance.deck_walk(
+    walk = lateral_steps.deck_walk(
         t, deck, mass=80.0, landings=period * np.arange(7), side=1, position=0.0,
         velocity=nearest * a * np.sinh(0.5 * a * period), **HIM,
     )  # fmt: skip

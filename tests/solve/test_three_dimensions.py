@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 from scipy.optimize import fsolve
 from scipy.spatial.transform import Rotation
 
+from closed_forms import whirls
 from motion_cases import order, taut_string
 from ropewalk.errors import ScenarioError
 from ropewalk.model import Dynamic, Line, Scenario
@@ -78,7 +79,7 @@ def test_a_circular_whirl_turns_at_the_rate_of_kirchhoff_and_carrier() -> None:
 def planar_miss(slope: float, elements: int) -> float:
     """Largest distance of the middle from the theory's swing, over the amplitude."""
     result, amplitude, about = swinging(slope, elements, circular=False)
-    exact = whirl.planar_motion(result.time.values, amplitude=amplitude, **about)
+    exact = whirls.planar_motion(result.time.values, amplitude=amplitude, **about)
     return float(np.abs(result.position.values[:, elements // 2, -1] - exact).max()) / amplitude
 
 
@@ -93,7 +94,7 @@ def test_a_planar_swing_is_that_of_kirchhoff_and_carrier() -> None:
     omega = 2.0 * np.pi / float(np.diff(crossings)[0])
     # Straight lines between outputs: 1e-4 of a period; the mesh: 2e-4.
     assert omega / np.pi == pytest.approx(1.20686467611556, rel=6e-4)
-    assert float(whirl.planar_frequency(amplitude, **about)) / np.pi == pytest.approx(1.20686467611556, rel=1e-9)
+    assert float(whirls.planar_frequency(amplitude, **about)) / np.pi == pytest.approx(1.20686467611556, rel=1e-9)
 
 
 ROPE: dict[str, float] = {"span": 1.0, "length": 1.2, "mass": 1.0, "angular_speed": 2.0 * np.pi}
@@ -101,7 +102,7 @@ ROPE: dict[str, float] = {"span": 1.0, "length": 1.2, "mass": 1.0, "angular_spee
 
 def skipping(elements: int) -> np.ndarray:
     """A chain of EA = 1 MN that whirls as a rigid shape, found as an equilibrium with its centrifugal forces."""
-    exact, h = whirl.skipping_rope(**ROPE), ROPE["length"] / elements
+    exact, h = whirls.skipping_rope(**ROPE), ROPE["length"] / elements
     x = np.linspace(0.0, 1.0, 4001)
     y = exact.shape(x)
     way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
@@ -124,7 +125,7 @@ def skipping(elements: int) -> np.ndarray:
 
 def test_a_skipping_rope_whirls_as_one_shape_however_large() -> None:
     """The inextensible limit: EA = 1 MN at 6 N."""
-    exact, misses = whirl.skipping_rope(**ROPE), []
+    exact, misses = whirls.skipping_rope(**ROPE), []
     assert exact.radius == pytest.approx(0.301974384951906, rel=1e-12)
     for n in (20, 40):
         shape = skipping(n)

@@ -13,6 +13,7 @@ import pytest
 import xarray as xr
 from scipy.linalg import expm
 
+from closed_forms import strings
 from motion_cases import order
 from ropewalk.chains.beginning import initial_state
 from ropewalk.errors import RopewalkError
@@ -79,7 +80,7 @@ def test_an_oscillator_passes_a_taut_string(wheel: float, alpha: float) -> None:
 def test_an_oscillator_on_a_long_string_settles_as_on_an_infinite_one(wheel: float) -> None:
     load = sprung(1.0, wheel, 20.0, 0.5, {"speed": float(0.5 * WAVE), "from": 1.3, "at_end": "leave"})
     found = on_string(400, load, 1.2, length=4.0)  # before a wave comes back
-    exact = string.moving_oscillator_infinite(
+    exact = strings.moving_oscillator_infinite(
         found.time.values, sprung_mass=1.0, contact_mass=wheel, stiffness=20.0, damping=0.5, tension=1.0 / STRETCH,
         mass=1.0, gravity=WEIGHT,
     )  # fmt: skip

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from closed_forms import spring_legs
 from gait_cases import GAIT, LEGS
 from ropewalk.mechanics.footfall import Footfall
 from ropewalk.model import Dynamic, Footsteps, Line, Scenario
@@ -119,7 +120,7 @@ def test_on_firm_ground_the_walker_is_the_spring_mass_gait(on_ground: xr.Dataset
     assert (places[-1] - places[0]) / steps * 1.001 == pytest.approx(GAIT.step_length, abs=1e-3)
     assert pressed(on_ground).sum(axis=1).max() == pytest.approx(GAIT.largest_force, rel=3e-3)
     assert GAIT.mean_speed == pytest.approx(1.1568, abs=1e-4)
-    exact = gait.walk(t, LEGS, height=GAIT.height, speed=GAIT.speed)
+    exact = spring_legs.walk(t, LEGS, height=GAIT.height, speed=GAIT.speed)
     body = on_ground.body_position.values[:, 0] - [on_ground.body_position.values[0, 0, 0], 0.0]
     assert body[:, 0] == pytest.approx(exact.x, abs=1e-3)
     assert body[:, 1] == pytest.approx(exact.y, abs=1.5e-3)  # the line gives way by 0.3 mm

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from closed_forms import membranes
 from net_cases import load, membrane, moved, net, order, rested, scenario, standing
 from ropewalk.mechanics.chain import Array
 from ropewalk.solve import minimum
@@ -51,7 +52,7 @@ def test_a_circle_has_the_zeros_of_bessel_functions() -> None:
         found = frequencies(scenario(sheet), 6)
         known = {"radius": 1.0, "tension": N, "mass": 0.3 * scale.prod()}
         # Each with nodal diameters stands for two.
-        exact = [theory.circle_frequencies(**known, diameters=d, count=2) for d in (0, 1, 1, 2, 2)]
+        exact = [membranes.circle_frequencies(**known, diameters=d, count=2) for d in (0, 1, 1, 2, 2)]
         errors.append(float(np.abs(found / np.sort(np.concatenate(exact))[:6] - 1.0).max()))
     assert np.all(np.abs(order(errors) - 2.0) < 0.4)  # irregular cells: seen 1.7, 2.0
     assert errors[-1] < 5e-3
@@ -71,7 +72,7 @@ def test_deflection_away_from_a_point_load_converges_to_the_series() -> None:
     for n in (8, 16, 32):
         found, plan, _ = deflections(n, at)
         nodes = [int(np.hypot(*(plan - place).T).argmin()) for place in places]
-        exact = theory.point_load(*np.transpose(places), at=at, force=1.0, sides=SIDES, tension=N)
+        exact = membranes.point_load(*np.transpose(places), at=at, force=1.0, sides=SIDES, tension=N)
         errors.append(float(np.abs(found[nodes] / exact - 1.0).max()))
     rates = order(errors)
     assert np.all((rates > 1.85) & (rates < 2.3))
@@ -90,7 +91,7 @@ def test_a_small_load_deflects_as_the_linear_theory_says() -> None:
     found = rested(membrane([16, 16]), {"p": load([[2.0, 1.5], [3.0, 1.5]], force=[0.0, 0.0, -1e-3])})
     plan = found.position.values[0, :, :2]
     node = int(np.hypot(*(plan - [1.0, 0.75]).T).argmin())
-    exact = theory.point_load(1.0, 0.75, at=(2.0, 1.5), force=-1e-3, sides=SIDES, tension=N)
+    exact = membranes.point_load(1.0, 0.75, at=(2.0, 1.5), force=-1e-3, sides=SIDES, tension=N)
     # 0.8 % of discretisation, see above.
     assert found.position.values[0, node, 2] == pytest.approx(float(exact), rel=0.01)
 
@@ -106,7 +107,7 @@ def test_a_moving_force_sends_the_waves_of_the_closed_form_ahead() -> None:
     size = 0.01 / (2.0 * np.pi * N)
     for place in ((1.0, 0.75), (3.0, 0.75), (2.0, 2.25)):
         node = int(np.hypot(*(plan - place).T).argmin())
-        exact = theory.moving_force(*place, found.time.values, **known, modes=(60, 60))
+        exact = membranes.moving_force(*place, found.time.values, **known, modes=(60, 60))
         # Waves as short as the cells are dispersed; the deflections are up to 2 F/(2 pi N). Seen 0.123.
         assert found.position.values[:, node, 2] == pytest.approx(exact, abs=0.13 * size)
 

@@ -13,6 +13,7 @@ from scipy import linalg
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
+from closed_forms import membranes
 from net_cases import load, membrane, moved, net, order, rested, scenario, small_deflection, standing
 from ropewalk.model import Scenario
 from ropewalk.results import frames, recorder
@@ -43,7 +44,7 @@ def test_a_net_vibrates_as_its_lattice() -> None:
     scale = standing(sheet)[0].membranes[0].scale
     node = 0.05 * (4.0 / m * scale[0] + 3.0 / n * scale[1])
     found = frequencies(scenario(sheet), 1000)
-    exact = theory.net_frequencies(cells=(m, n), spacing=(4.0 / m, 3.0 / n), tension=tension, mass=node)
+    exact = membranes.net_frequencies(cells=(m, n), spacing=(4.0 / m, 3.0 / n), tension=tension, mass=node)
     assert found.size == 3 * (m - 1) * (n - 1)
     for frequency in exact.ravel():  # the others are those in the plane
         assert np.abs(found - frequency).min() < 1e-12 * frequency  # roundings, seen 1e-14
@@ -74,7 +75,7 @@ def test_modes_under_a_moving_force_converge_to_the_closed_form() -> None:
         for p, q in pairs:
             shape = np.sin(p * np.pi * plan[:, 0] / 4.0) * np.sin(q * np.pi * plan[:, 1] / 3.0)
             amplitude = 4.0 * (found.position.values[..., 2] * shape * weight).sum(axis=1) / weight.sum()
-            exact = theory.moving_force_mode(p, q, found.time.values, **known)
+            exact = membranes.moving_force_mode(p, q, found.time.values, **known)
             error.append(np.abs(amplitude - exact).max() / np.abs(exact).max())
         errors.append(error)
     # Second order in the mesh, whose waves are too slow: seen 1.88 to 1.98 in the last halving.

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from closed_forms import membranes
 from motion_cases import order
 from ropewalk.errors import ScenarioError
 from ropewalk.model import Linear, Scenario
@@ -20,7 +21,6 @@ from ropewalk.scenario import loads
 from ropewalk.simulate import output_times
 from ropewalk.system.assembling.membranes import sheet_of
 from ropewalk.system.small_motion.superposed import Superposed
-from ropewalk.theory import membrane as theory
 from system_cases import frames_of, imbalance, with_steps_of
 
 FLAT: dict[str, Any] = {"corner": [0, 0, 0], "sides": [[4, 0, 0], [0, 3, 0]], "cells": [8, 6]}
@@ -117,7 +117,7 @@ def test_a_moving_force_drives_the_sine_modes_of_a_net() -> None:
         times, z = np.array([f.path for f in found]), np.array([f.position[:, 2] for f in found])
         shape = np.sin(np.pi * plan[:, 0] / 4.0) * np.sin(np.pi * plan[:, 1] / 3.0)
         amplitude = 4.0 * (z * shape * weight).sum(axis=1) / weight.sum()
-        exact = theory.moving_force_mode(
+        exact = membranes.moving_force_mode(
             1, 1, times, force=-10.0, speed=speed, track=1.2, sides=(4.0, 3.0), tension=500.0, mass=mass
         )
         errors.append(float(np.abs(amplitude - exact).max() / np.abs(exact).max()))

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from closed_forms import strings
 from held_strings import Array, HeldString, MovingLoad, Station, crossed
 from motion_cases import order
 from ropewalk.results.frame import ENERGY_FORMS
@@ -86,7 +87,7 @@ def test_characteristics_without_a_station_are_those_of_the_string() -> None:
     exact = string.moving_mass(TIMES, load_mass=10.0, speed=SPEED, length=20.0, tension=1e4, mass=1.0, gravity=9.81)
     assert np.abs(found[0] - exact.deflection).max() < 1e-6 * np.abs(exact.deflection).max()
     at, _ = crossed(free, SPEED, TIMES, MovingLoad(), MovingLoad(enters=0.27))
-    both = string.moving_forces(AT, TIMES, forces=[1.0, 1.0], speeds=[SPEED, SPEED], entries=[0.0, 0.27], length=20.0,
+    both = strings.moving_forces(AT, TIMES, forces=[1.0, 1.0], speeds=[SPEED, SPEED], entries=[0.0, 0.27], length=20.0,
                                 tension=1e4, mass=1.0)  # fmt: skip
     assert np.abs(at - both).max() < 1e-9 * both.max()
 

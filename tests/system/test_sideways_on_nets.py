@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from closed_forms import lateral_steps
 from gait_cases import GAIT
 from ropewalk.errors import ScenarioError
 from ropewalk.mechanics.sideways import Sideways
 from ropewalk.model import Scenario
 from ropewalk.scenario import loads
 from ropewalk.simulate import simulate
-from ropewalk.theory import gait, lateral_balance
 
 Tree = dict[str, Any]
 PATH = [[0.5, 1.4], [3.5, 1.6]]
@@ -94,10 +94,10 @@ def test_on_a_net_that_hardly_moves_she_balances_as_on_still_ground() -> None:
     found = simulate(case(load, 2.2, 0.01, net=ground))
     assert found.attrs["outcome"] == "completed", found.attrs["advice"]
     side = pushes(found)[:, :, 1].sum(axis=1)
-    peak = float(lateral_balance.peak_force(mass=80.0, step_time=GAIT.step_time, margin=0.0157, leg_length=1.17))
+    peak = float(lateral_steps.peak_force(mass=80.0, step_time=GAIT.step_time, margin=0.0157, leg_length=1.17))
     assert np.abs(side[found.time.values > 1.0]).max() == pytest.approx(peak, rel=0.15)  # as on lines
     y = found.body_position.sel(axis="y").values[:, 0]
-    width = float(gait.step_width(step_time=GAIT.step_time, margin=0.0157, leg_length=1.17))
+    width = float(lateral_steps.step_width(step_time=GAIT.step_time, margin=0.0157, leg_length=1.17))
     assert 0.05 * width < np.ptp(y) < width
     pushed = np.trapezoid(side, found.time.values) + 80.0 * np.diff(
         found.body_velocity.sel(axis="y").values[[0, -1], 0]

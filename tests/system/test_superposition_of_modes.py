@@ -15,6 +15,7 @@ import pytest
 import scipy.linalg as linalg
 import scipy.sparse as sparse
 
+from closed_forms import membranes
 from continuous_beams import EI, MASS, under_a_moving_force
 from ropewalk.capabilities import SUPERPOSED, engine_of
 from ropewalk.errors import EquilibriumError
@@ -26,7 +27,6 @@ from ropewalk.solve.radau_iia import C as STAGES
 from ropewalk.system.assembling.membranes import sheet_of
 from ropewalk.system.small_motion.superposed import Superposed
 from ropewalk.theory import beam_crossing
-from ropewalk.theory import membrane as theory
 from system_cases import ROPE, TRIPOD, frames_of, with_steps_of
 
 PIER = {"kind": "guided", "along": [1, 0]}
@@ -139,7 +139,7 @@ def test_modes_of_a_net_under_a_moving_force_converge_to_the_closed_form() -> No
             shape = np.sin(p * np.pi * plan[:, 0] / 4.0) * np.sin(q * np.pi * plan[:, 1] / 3.0)
             z = np.array([frame.position[:, 2] for frame in found])
             amplitude = 4.0 * (z * shape * weight).sum(axis=1) / weight.sum()
-            exact = theory.moving_force_mode(p, q, times, **known)
+            exact = membranes.moving_force_mode(p, q, times, **known)
             error.append(np.abs(amplitude - exact).max() / np.abs(exact).max())
         errors.append(error)
     last = np.log2(np.array(errors[1]) / errors[2])

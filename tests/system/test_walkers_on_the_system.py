@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from closed_forms import spring_legs
 from gait_cases import GAIT, LEGS
 from motion_cases import order
 from ropewalk.capabilities import ROPES, SYSTEM, engine_of
 from ropewalk.model import Scenario
 from ropewalk.simulate import simulate
-from ropewalk.theory import gait
 
 # Hardly moves: the ground of tests/solve/test_walkers.py.
 GROUND = {"start": (0, 0), "end": (10, 0), "tension": 1e9, "mass": 1000.0, "axial_stiffness": 1e12, "elements": 20}
@@ -55,7 +55,7 @@ def on_ground() -> xr.Dataset:
 
 
 def test_on_firm_ground_the_walker_is_the_spring_mass_gait(on_ground: xr.Dataset) -> None:
-    exact = gait.walk(on_ground.time.values, LEGS, height=GAIT.height, speed=GAIT.speed)
+    exact = spring_legs.walk(on_ground.time.values, LEGS, height=GAIT.height, speed=GAIT.speed)
     body = place(on_ground) - [place(on_ground)[0, 0], 0.0]
     assert body[:, 0] == pytest.approx(exact.x, abs=5e-5)  # twice what was seen, in two steps
     assert body[:, 1] == pytest.approx(exact.y, abs=3e-4)  # the line gives way by 0.3 mm

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 
+from closed_forms import beads
 from ropewalk.theory import bead, friction, locus
 
 ROPE = {"span": 20.0, "length": 22.0}
@@ -27,7 +28,7 @@ def test_small_period_is_the_limit() -> None:
     steep = {"span": 12.0, "height": 9.0, "length": 18.0}
     lowest = bead.slide(0.0, start=1.0, mass=1.0, friction="block", coefficient=0.0, **steep)
     assert not lowest.rests
-    still = bead.swing(np.arange(3.0), start=_lowest_x(steep), mass=1.0, **steep)
+    still = beads.swing(np.arange(3.0), start=_lowest_x(steep), mass=1.0, **steep)
     assert np.ptp(still.x) < 1e-9
     assert bead.period(_lowest_x(steep) + 1e-4, **steep) == pytest.approx(bead.small_period(**steep), rel=1e-7)
 
@@ -104,7 +105,7 @@ def test_a_swing_is_that_of_the_integrated_forces(rope: dict[str, float], start:
         return np.array([*state[2:], *(tension * pull - [0.0, G])])
 
     t = np.linspace(0.0, 12.0, 25)
-    swing = bead.swing(t, start=start, mass=2.0, **rope)
+    swing = beads.swing(t, start=start, mass=2.0, **rope)
     ode = solve_ivp(rates, (0, 12), [start, swing.z[0], 0, 0], t_eval=t, method="DOP853", rtol=1e-11, atol=1e-11)
     # the tolerance of the integration, of 20 m over 12 s
     assert swing.x == pytest.approx(ode.y[0], abs=2e-8)
@@ -121,7 +122,7 @@ def test_a_swing_is_that_of_the_integrated_forces(rope: dict[str, float], start:
 def test_slide_without_friction_is_a_swing() -> None:
     t = np.linspace(0.0, 25.0, 40).reshape(8, 5)
     for rope, start in ((ROPE, 3.0), ({"span": 12.0, "height": 5.0, "length": 18.0}, 9.0)):
-        swing = bead.swing(t, start=start, mass=2.0, **rope)
+        swing = beads.swing(t, start=start, mass=2.0, **rope)
         for law in ("capstan", "block"):
             slide = bead.slide(t, start=start, mass=2.0, friction=law, coefficient=0.0, **rope)
             for name in ("x", "z", "x_velocity", "z_velocity", "tension_behind", "stop_times", "stop_places"):
@@ -242,7 +243,7 @@ def test_nonsense_is_refused() -> None:
         with pytest.raises(ValueError, match=f"^{name} must"):
             bead.slide(1.0, **(give | {name: value}))
     with pytest.raises(ValueError, match=r"^t must"):
-        bead.swing(-1.0, start=5.0, mass=1.0, **ROPE)
+        beads.swing(-1.0, start=5.0, mass=1.0, **ROPE)
     with pytest.raises(ValueError, match="slacken"):
         bead.period(9.7, span=10.0, height=10.0, length=15.0)
     with pytest.raises(ValueError, match="taut where it starts"):

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ropewalk.theory import friction, locus, pulley, rope
+from closed_forms import pulley, slow_loads
+from ropewalk.theory import friction, rope
 
 DOWN = (0.0, -700.0)
 PAPER = {"span": 20.0, "length": 20.0, "axial_stiffness": 1e4}
@@ -29,7 +30,7 @@ def test_pulley_on_the_weightless_elastic_rope(restrained: str) -> None:
     z, tension, hold = -3.7070901273379, 837.821869567776, 140.331412274603
     behind, ahead = math.hypot(15.0, z), math.hypot(5.0, z)
     place = {"x": 15.0} if restrained == "x" else {"xi": 20.0 * behind / (behind + ahead)}
-    state = locus.frictionless(**PAPER, force=DOWN, **place)
+    state = slow_loads.frictionless(**PAPER, force=DOWN, **place)
     # 14 and 15 digits are given
     assert [float(state.x), float(state.z)] == pytest.approx([15.0, z], abs=1e-13)
     assert [float(state.tension_behind), float(state.tension_ahead)] == pytest.approx([tension] * 2, abs=3e-12)
@@ -38,10 +39,10 @@ def test_pulley_on_the_weightless_elastic_rope(restrained: str) -> None:
 
 @every_rope
 def test_hold_force_is_the_load_times_the_slope_of_the_mean_tangent(case: dict) -> None:
-    state = locus.frictionless(**case, force=DOWN, x=np.linspace(0.5, 19.0, 9))
+    state = slow_loads.frictionless(**case, force=DOWN, x=np.linspace(0.5, 19.0, 9))
     assert state.tension_ahead == pytest.approx(state.tension_behind, rel=1e-13)
     assert state.hold == pytest.approx(700.0 * state.slope, rel=1e-12, abs=1e-10)
-    clamped = locus.clamped(**case, force=DOWN, xi=state.xi)
+    clamped = slow_loads.clamped(**case, force=DOWN, xi=state.xi)
     needed = friction.point_block_coefficient(
         tension_behind=clamped.tension_behind, tension_ahead=clamped.tension_ahead, angle=clamped.turning_angle
     )
@@ -112,7 +113,7 @@ def test_the_clamped_rope_under_the_hold_forces_is_the_same_rope(
 @pytest.mark.parametrize("ratio", [1.0 + 1e-9, 1.05, 1000.0])
 def test_extremes(weight: float, stiffness: float, ratio: float) -> None:
     case = {"span": 20.0, "length": 20.0 * ratio, "weight": weight, "axial_stiffness": float(stiffness)}
-    state = locus.frictionless(**case, force=DOWN, x=[6.0, 14.0])
+    state = slow_loads.frictionless(**case, force=DOWN, x=[6.0, 14.0])
     size = float(state.tension_behind.max())
     assert state.tension_behind == pytest.approx(state.tension_ahead, rel=1e-9)
     # mirror images: roundings of the length by the stiffness, or by the root of the spare length
@@ -124,28 +125,28 @@ def test_extremes(weight: float, stiffness: float, ratio: float) -> None:
 def test_zero_weight_is_the_limit_of_small_weight() -> None:
     for stiffness in (1e4, inf):
         case = {"span": 20.0, "length": 22.0, "height": 2.0, "axial_stiffness": stiffness, "x": [4.0, 15.0, 19.9]}
-        none = locus.frictionless(**case, force=DOWN)
+        none = slow_loads.frictionless(**case, force=DOWN)
         for weight in (1e-2, 1e-5, 1e-8):
-            light = locus.frictionless(**case, force=DOWN, weight=weight)
+            light = slow_loads.frictionless(**case, force=DOWN, weight=weight)
             assert light.hold == pytest.approx(none.hold, abs=1e2 * weight + 1e-9)  # first order
 
 
 def test_rope_far_heavier_than_its_load_hardly_feels_it() -> None:
     bare = rope.catenary(span=20.0, length=22.0, weight=20.0)
-    state = locus.frictionless(span=20.0, length=22.0, weight=20.0, force=(0.0, -1e-6), x=[4.0, 15.0])
+    state = slow_loads.frictionless(span=20.0, length=22.0, weight=20.0, force=(0.0, -1e-6), x=[4.0, 15.0])
     assert np.stack([state.x, state.z], axis=-1) == pytest.approx(bare.position(state.xi), abs=1e-7)
     assert state.hold == pytest.approx(1e-6 * state.slope, rel=1e-6)
 
 
 def test_elastic_rope_holds_no_load_too_near_to_a_support() -> None:
     """Held at a material point: tension by the circles is bounded, so near the support no hold force is enough."""
-    near = locus.frictionless(**PAPER, force=DOWN, xi=[16.0, 4.0])
+    near = slow_loads.frictionless(**PAPER, force=DOWN, xi=[16.0, 4.0])
     assert near.hold[0] == pytest.approx(-near.hold[1], rel=1e-12)
     for weight in (0.0, 20.0):
         with pytest.raises(ValueError, match="no hold force"):
-            locus.frictionless(**PAPER, weight=weight, force=DOWN, xi=19.9)
+            slow_loads.frictionless(**PAPER, weight=weight, force=DOWN, xi=19.9)
     # at a given x there always is one, beyond the support, too
-    beyond = locus.frictionless(**PAPER, force=DOWN, x=[19.9, 20.0, 21.0])
+    beyond = slow_loads.frictionless(**PAPER, force=DOWN, x=[19.9, 20.0, 21.0])
     assert np.all(np.diff(beyond.hold) > 0.0)
 
 
@@ -172,9 +173,9 @@ def test_several_loads_held_at_x_are_found_again_at_their_material_points() -> N
 
 def test_hold_force_makes_up_for_a_given_force_along_x() -> None:
     case = {"span": 20.0, "length": 22.0, "weight": 20.0, "axial_stiffness": 1e5}
-    plain, pushed = (locus.frictionless(**case, force=(push, -700.0), x=15.0) for push in (0.0, 100.0))
+    plain, pushed = (slow_loads.frictionless(**case, force=(push, -700.0), x=15.0) for push in (0.0, 100.0))
     assert pushed.hold == pytest.approx(plain.hold - 100.0, abs=1e-9)
-    by_xi = locus.frictionless(**case, force=(100.0, -700.0), xi=plain.xi)
+    by_xi = slow_loads.frictionless(**case, force=(100.0, -700.0), xi=plain.xi)
     assert by_xi.hold == pytest.approx(pushed.hold, abs=1e-9)
 
 

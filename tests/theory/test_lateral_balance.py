@@ -1,4 +1,4 @@
-"""Balance to the side: the gait on still ground, its harmonics, and what a deck that sways feels on average."""
+"""Balance to the side: the gait on still ground, and what a deck that sways feels on average."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from ropewalk.theory import gait, lateral_balance
+from closed_forms import lateral_steps
+from ropewalk.theory import lateral_balance
 
 # Macdonald's person: the equivalent pendulum, the margin, 1.8 steps a second.
 HIM = {"margin": 0.0157, "leg_length": 1.17}
@@ -17,27 +18,9 @@ RATE = np.sqrt(9.81 / 1.17)
 
 def test_the_gait_on_still_ground_is_that_of_lateral_walk() -> None:
     t = np.linspace(0.0, 2.0 * STEP, 4001)[:-1]
-    walk = gait.lateral_walk(t, mass=MASS, step_time=STEP, **HIM)
-    # 4000 samples: a crest is missed by (2 s / 4000)^2.
-    assert lateral_balance.body_sway(step_time=STEP, **HIM) == pytest.approx(walk.position.max(), rel=1e-6)
-    assert lateral_balance.body_sway(step_time=STEP, **HIM) == pytest.approx(-walk.position.min(), rel=1e-6)
-    assert lateral_balance.peak_force(mass=MASS, step_time=STEP, **HIM) == pytest.approx(walk.force.max(), rel=1e-12)
+    walk = lateral_steps.lateral_walk(t, mass=MASS, step_time=STEP, **HIM)
+    assert lateral_steps.peak_force(mass=MASS, step_time=STEP, **HIM) == pytest.approx(walk.force.max(), rel=1e-12)
     assert walk.force.mean() == pytest.approx(0.0, abs=1e-9)  # N
-
-
-def test_the_force_has_odd_multiples_of_half_the_step_frequency_only() -> None:
-    samples = 20000
-    t = (np.arange(samples) + 0.5) * 2.0 * STEP / samples
-    force = gait.lateral_walk(t, mass=MASS, step_time=STEP, **HIM).force
-    found = [2.0 * np.mean(force * np.sin(np.pi * j * t / STEP)) for j in range(1, 8)]
-    other = [2.0 * np.mean(force * np.cos(np.pi * j * t / STEP)) for j in range(1, 8)]
-    exact = lateral_balance.force_harmonics(4, mass=MASS, step_time=STEP, **HIM)
-    # The midpoint rule over jumps that fall between samples: second order in 1/20000 and their number.
-    assert found[::2] == pytest.approx(exact, abs=1e-5)
-    assert found[1::2] == pytest.approx([0.0] * 3, abs=1e-9)
-    assert other == pytest.approx([0.0] * 7, abs=1e-9)
-    # Schulze measured 0.039 of the weight at two steps a second (1980, after Bachmann and Ammann, IABSE 1987).
-    assert exact[0] / (MASS * 9.81) == pytest.approx(0.039, rel=0.05)
 
 
 def still(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -48,8 +31,8 @@ def test_a_walk_step_by_step_on_a_still_deck_is_the_closed_form() -> None:
     t = np.linspace(0.0, 9.9 * STEP, 300)
     start = {"position": 0.02, "velocity": -0.05}
     landings = np.arange(10) * STEP
-    walk = lateral_balance.deck_walk(t, still, mass=MASS, landings=landings, side=-1, **HIM, **start)
-    exact = gait.lateral_walk(t, mass=MASS, step_time=STEP, side=-1, **HIM, **start)
+    walk = lateral_steps.deck_walk(t, still, mass=MASS, landings=landings, side=-1, **HIM, **start)
+    exact = lateral_steps.lateral_walk(t, mass=MASS, step_time=STEP, side=-1, **HIM, **start)
     # 5 times the rounding in each of ten steps
     assert walk.position == pytest.approx(exact.position, abs=1e-8)
     assert walk.velocity == pytest.approx(exact.velocity, abs=1e-8)
@@ -60,9 +43,9 @@ def test_on_a_deck_in_uniform_motion_one_walks_as_on_still_ground() -> None:
     t = np.linspace(0.0, 9.9 * STEP, 100)
     start = {"position": 0.02, "velocity": -0.05}
     arguments = {"mass": MASS, "landings": np.arange(10) * STEP, **HIM}
-    walk = lateral_balance.deck_walk(t, still, **arguments, **start)
+    walk = lateral_steps.deck_walk(t, still, **arguments, **start)
     faster = {"position": 0.52, "velocity": 0.15}
-    moved = lateral_balance.deck_walk(t, lambda s: (0.5 + 0.2 * s, 0.2 + 0.0 * s), **arguments, **faster)
+    moved = lateral_steps.deck_walk(t, lambda s: (0.5 + 0.2 * s, 0.2 + 0.0 * s), **arguments, **faster)
     assert moved.position - 0.5 - 0.2 * t == pytest.approx(walk.position, abs=1e-8)
     assert moved.feet == pytest.approx(walk.feet, abs=1e-8)
 
@@ -74,11 +57,11 @@ def test_the_mean_force_in_phase_with_a_swaying_deck_is_the_closed_form(frequenc
     at, weights = np.polynomial.legendre.leggauss(fine)
     landings = np.arange(steps) * STEP
     t = (landings[:, None] + 0.5 * STEP * (1.0 + at)).ravel()
-    walk = lateral_balance.deck_walk(
+    walk = lateral_steps.deck_walk(
         t, lambda s: (amplitude * np.sin(w * s), amplitude * w * np.cos(w * s)), mass=MASS, landings=landings,
         position=0.0, velocity=0.1, **HIM,
     )  # fmt: skip
-    gait_alone = gait.lateral_walk(t, mass=MASS, step_time=STEP, **HIM).force
+    gait_alone = lateral_steps.lateral_walk(t, mass=MASS, step_time=STEP, **HIM).force
     # A window that begins and ends flat, so that what is left of other frequencies falls with its length.
     window = np.sin(np.pi * t / (steps * STEP)) ** 4 * np.tile(weights, steps)
     force = walk.force - gait_alone
@@ -156,12 +139,10 @@ def test_nonsense_is_refused() -> None:
         lateral_balance.sway_growth(1.0, damping_rate=0.1, modal_mass=1e4, mass=70.0, step_time=0.0, leg_length=1.17)
     with pytest.raises(ValueError, match=r"^frequency must"):
         lateral_balance.self_excited_force(0.0, mass=MASS, step_time=STEP, leg_length=1.17)
-    with pytest.raises(ValueError, match=r"^count must"):
-        lateral_balance.force_harmonics(0, mass=MASS, step_time=STEP, **HIM)
     with pytest.raises(ValueError, match=r"^mass must"):
-        lateral_balance.peak_force(mass=-1.0, step_time=STEP, **HIM)
+        lateral_steps.peak_force(mass=-1.0, step_time=STEP, **HIM)
     arguments = {"mass": MASS, "position": 0.0, "velocity": 0.0, **HIM}
     with pytest.raises(ValueError, match=r"^landings must rise"):
-        lateral_balance.deck_walk(1.0, still, landings=[0.0, 0.0], **arguments)
+        lateral_steps.deck_walk(1.0, still, landings=[0.0, 0.0], **arguments)
     with pytest.raises(ValueError, match=r"^t must not lie before"):
-        lateral_balance.deck_walk(-1.0, still, landings=[0.0, 0.5], **arguments)
+        lateral_steps.deck_walk(-1.0, still, landings=[0.0, 0.5], **arguments)

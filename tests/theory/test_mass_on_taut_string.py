@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+from closed_forms import strings
 from ropewalk.theory import string
 
 UNIT = {"length": 1.0, "tension": 1.0, "mass": 1.0, "gravity": 1.0}
@@ -172,18 +173,18 @@ def test_galerkins_method_converges_to_the_delay_equation_but_only_as_one_over_m
 
 def test_infinite_string_and_the_limit_of_the_wave_speed() -> None:
     t = np.array([0.0, 1e-9, 0.0299, 0.0301, 1.0, 60.0])
-    motion = string.moving_mass_infinite(t, load_mass=2.0, tension=8.0, mass=2.0, gravity=3.0)
+    motion = strings.moving_mass_infinite(t, load_mass=2.0, tension=8.0, mass=2.0, gravity=3.0)
     age = t / 0.25  # T0 = m/(2 rho c)
     assert motion.contact_force == pytest.approx(-6.0 * np.expm1(-age), rel=1e-15)
     assert motion.velocity == pytest.approx(-6.0 / 8.0 * np.expm1(-age), rel=1e-15)
     terms = np.cumprod(-np.minimum(age, 1.0)[:, np.newaxis] / np.arange(1, 25), axis=1)[:, 1:]
     path = np.where(age < 1.0, np.sum(terms, axis=1), age + np.expm1(-age))
     assert motion.deflection == pytest.approx(3.0 * 0.25**2 * path, rel=1e-13)
-    around = string.moving_mass_infinite([0.03 * 0.25 * (1 - 1e-9), 0.03 * 0.25 * (1 + 1e-9)], load_mass=2.0,
+    around = strings.moving_mass_infinite([0.03 * 0.25 * (1 - 1e-9), 0.03 * 0.25 * (1 + 1e-9)], load_mass=2.0,
                                          tension=8.0, mass=2.0, gravity=3.0).deflection  # fmt: skip
     assert around[0] == pytest.approx(around[1], rel=5e-9)  # twice the step of 2e-9, and no jump between the forms
     fast = string.moving_mass([0.2, 0.9], load_mass=1.0, speed=1.0 - 1e-12, **UNIT)
-    free = string.moving_mass_infinite([0.2, 0.9], load_mass=1.0, tension=1.0, mass=1.0, gravity=1.0)
+    free = strings.moving_mass_infinite([0.2, 0.9], load_mass=1.0, tension=1.0, mass=1.0, gravity=1.0)
     assert fast.deflection == pytest.approx(free.deflection, abs=1e-11)
     assert fast.contact_force == pytest.approx(free.contact_force, abs=1e-11)
 
@@ -278,6 +279,6 @@ def test_nonsense_is_refused(changed: dict[str, float], said: str) -> None:
 
 def test_infinite_string_refuses_nonsense() -> None:
     with pytest.raises(ValueError, match=r"^t must"):
-        string.moving_mass_infinite(-1.0, load_mass=1.0, tension=1.0, mass=1.0)
+        strings.moving_mass_infinite(-1.0, load_mass=1.0, tension=1.0, mass=1.0)
     with pytest.raises(ValueError, match=r"^load_mass must"):
-        string.moving_mass_infinite(1.0, load_mass=0.0, tension=1.0, mass=1.0)
+        strings.moving_mass_infinite(1.0, load_mass=0.0, tension=1.0, mass=1.0)

@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+from closed_forms import strings
 from ropewalk.theory import string
 
 UNIT = {"length": 1.0, "tension": 1.0, "mass": 1.0, "gravity": 1.0}
@@ -31,7 +32,7 @@ def test_infinite_string_by_numerical_integration(contact_mass: float, damping: 
 
     t = np.linspace(0.0, 6.0, 25)
     run = solve_ivp(rates, (0.0, 6.0), np.zeros(4), t_eval=t, method="DOP853", rtol=1e-11, atol=1e-13)
-    motion = string.moving_oscillator_infinite(t, **given, tension=8.0, mass=2.0, gravity=gravity)
+    motion = strings.moving_oscillator_infinite(t, **given, tension=8.0, mass=2.0, gravity=gravity)
     w, _, u, d = run.y
     assert motion.deflection == pytest.approx(w, abs=1e-9)  # tolerance of the integration
     assert motion.body_deflection == pytest.approx(w + d, abs=1e-9)
@@ -40,7 +41,7 @@ def test_infinite_string_by_numerical_integration(contact_mass: float, damping: 
 
 
 def test_infinite_string_settles_under_the_weight() -> None:
-    motion = string.moving_oscillator_infinite([0.0, 400.0], **BODY, tension=1.0, mass=1.0, gravity=1.0)
+    motion = strings.moving_oscillator_infinite([0.0, 400.0], **BODY, tension=1.0, mass=1.0, gravity=1.0)
     assert motion.contact_force == pytest.approx([0.0, 1.0], abs=1e-12)
     assert motion.body_velocity[1] == pytest.approx(0.5, abs=1e-12)
     assert motion.contact_lost_at is None
@@ -51,7 +52,7 @@ def test_light_wheel_under_a_stiff_spring_bounces_off() -> None:
     """Before the string matters the wheel moves as g (t + (M/m) sin(omega t)/omega), omega^2 = K/m + K/M."""
     omega = np.sqrt(1e4 / 0.1 + 1e4 / 0.9)
     t = np.linspace(0.0, 0.05, 2001)
-    motion = string.moving_oscillator_infinite(
+    motion = strings.moving_oscillator_infinite(
         t, sprung_mass=0.9, contact_mass=0.1, stiffness=1e4, tension=1.0, mass=1.0, gravity=1.0
     )
     assert motion.contact_lost_at == t[np.flatnonzero(motion.contact_force < 0.0)[0]]
@@ -66,7 +67,7 @@ def test_critical_damping_has_no_full_set_of_modes() -> None:
     given = {"sprung_mass": 2.0, "tension": 1.0, "mass": 1.0, "gravity": 1.0}
     t = np.linspace(0.0, 5.0, 6)
     at, below, above = (
-        string.moving_oscillator_infinite(t, **given, stiffness=8.0 * (1.0 + step)) for step in (0.0, -1e-4, 1e-4)
+        strings.moving_oscillator_infinite(t, **given, stiffness=8.0 * (1.0 + step)) for step in (0.0, -1e-4, 1e-4)
     )
     for name in ("deflection", "contact_force", "body_deflection"):
         middle = 0.5 * (getattr(below, name) + getattr(above, name))
@@ -79,7 +80,7 @@ def test_finite_string_is_the_infinite_one_until_waves_return_from_the_start(con
     given = BODY | {"contact_mass": contact_mass}
     t = np.array([0.1, 0.5, 0.95])
     finite = string.moving_oscillator(t, **given, speed=1.0 - 1e-12, **UNIT)
-    infinite = string.moving_oscillator_infinite(t, **given, tension=1.0, mass=1.0, gravity=1.0)
+    infinite = strings.moving_oscillator_infinite(t, **given, tension=1.0, mass=1.0, gravity=1.0)
     for name in ("deflection", "velocity", "body_deflection", "body_velocity", "contact_force"):
         assert getattr(finite, name) == pytest.approx(getattr(infinite, name), abs=1e-9), name
 

@@ -8,10 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+from closed_forms import lateral_steps, spring_legs
 from ropewalk.theory import gait
 
 G = 80.0 * 9.81
-LEGS = gait.SpringLegs(mass=80.0, leg_length=1.0, stiffness=14e3, attack_angle=math.radians(69.0))
+LEGS = spring_legs.SpringLegs(mass=80.0, leg_length=1.0, stiffness=14e3, attack_angle=math.radians(69.0))
 LATERAL = {"margin": 0.0157, "step_time": 0.5 / 0.9, "leg_length": 1.17}
 
 
@@ -78,12 +79,12 @@ def test_a_foot_stands_for_one_step_and_the_overlap() -> None:
 
 
 @pytest.fixture(scope="module")
-def steady() -> gait.Gait:
-    (found,) = gait.gaits(LEGS, energy=816.0)
+def steady() -> spring_legs.Gait:
+    (found,) = spring_legs.gaits(LEGS, energy=816.0)
     return found
 
 
-def test_gait_is_that_of_the_catalogue(steady: gait.Gait) -> None:
+def test_gait_is_that_of_the_catalogue(steady: spring_legs.Gait) -> None:
     # half a unit of the last digit printed
     assert steady.height == pytest.approx(0.9708346674, abs=0.6e-10)
     assert steady.speed == pytest.approx(1.0969803625, abs=0.6e-10)
@@ -96,9 +97,9 @@ def test_gait_is_that_of_the_catalogue(steady: gait.Gait) -> None:
     assert LEGS.energy(steady.height, steady.speed) == pytest.approx(816.0, rel=1e-14)
 
 
-def test_gait_walks_on_with_energy_impulse_and_symmetry(steady: gait.Gait) -> None:
+def test_gait_walks_on_with_energy_impulse_and_symmetry(steady: spring_legs.Gait) -> None:
     t = np.linspace(0.0, 4 * steady.step_time, 8001)
-    walk = gait.walk(t, LEGS, height=steady.height, speed=steady.speed)
+    walk = spring_legs.walk(t, LEGS, height=steady.height, speed=steady.speed)
     assert np.diff(walk.feet[:5]) == pytest.approx(steady.step_length, rel=1e-8)
     assert np.diff(walk.upright[:5]) == pytest.approx(steady.step_time, rel=1e-8)
     assert walk.x[-1] == pytest.approx(4 * steady.step_length, rel=1e-8)
@@ -122,7 +123,7 @@ def test_gait_walks_on_with_energy_impulse_and_symmetry(steady: gait.Gait) -> No
     assert np.all(walk.landings[1:5] < walk.departures[:4])
 
 
-def test_a_plain_walker_of_small_steps_does_the_same(steady: gait.Gait) -> None:
+def test_a_plain_walker_of_small_steps_does_the_same(steady: spring_legs.Gait) -> None:
     """Velocity Verlet at 10 microseconds from the rules alone: a leg lands at its angle and never pulls."""
     dt, mass = 1e-5, LEGS.mass
     x, y, vx, vy = 0.0, steady.height, steady.speed, 0.0
@@ -149,7 +150,7 @@ def test_a_plain_walker_of_small_steps_does_the_same(steady: gait.Gait) -> None:
             departure = step * dt
         ax, ay = push()
         vx, vy = vx + 0.5 * dt * ax, vy + 0.5 * dt * ay
-    walk = gait.walk([steps * dt], LEGS, height=steady.height, speed=steady.speed)
+    walk = spring_legs.walk([steps * dt], LEGS, height=steady.height, speed=steady.speed)
     # events are late by up to a step of 1e-5 s, of 1 m/s and 10 m/s^2
     assert [x, y, vx] == pytest.approx([walk.x[0], walk.y[0], walk.x_velocity[0]], abs=2e-5)
     assert vy == pytest.approx(walk.y_velocity[0], abs=2e-4)
@@ -157,12 +158,12 @@ def test_a_plain_walker_of_small_steps_does_the_same(steady: gait.Gait) -> None:
     assert feet[1] == pytest.approx(walk.feet[1], abs=2e-5)
 
 
-def test_multipliers_are_those_of_a_disturbed_walk(steady: gait.Gait) -> None:
+def test_multipliers_are_those_of_a_disturbed_walk(steady: spring_legs.Gait) -> None:
     """Heights and climbs of ten steps after a push of 1 mm/s obey a linear map with these eigenvalues."""
     height, energy = steady.height, 816.0
     rise = 1e-3
-    first = gait.walk([4.0], LEGS, height=height, speed=LEGS.speed(energy, height, rise), rise=rise)
-    again = gait.walk(first.upright, LEGS, height=height, speed=LEGS.speed(energy, height, rise), rise=rise)
+    first = spring_legs.walk([4.0], LEGS, height=height, speed=LEGS.speed(energy, height, rise), rise=rise)
+    again = spring_legs.walk(first.upright, LEGS, height=height, speed=LEGS.speed(energy, height, rise), rise=rise)
     states = np.stack([again.y - height, again.y_velocity])[:, : len(first.upright) - 1]
     matrix = np.linalg.lstsq(states[:, :-1].T, states[:, 1:].T, rcond=None)[0].T
     found = np.sort_complex(np.linalg.eigvals(matrix))
@@ -171,24 +172,24 @@ def test_multipliers_are_those_of_a_disturbed_walk(steady: gait.Gait) -> None:
     assert np.abs(steady.multipliers[0]) < 1.0
 
 
-def test_walkers_that_cannot_walk_say_why(steady: gait.Gait) -> None:
+def test_walkers_that_cannot_walk_say_why(steady: spring_legs.Gait) -> None:
     for speed, word in ((0.2, "thrown off the new leg"), (2.5, "upright at t = ")):
         with pytest.raises(ValueError, match=word):
-            gait.walk([2.0], LEGS, height=steady.height, speed=speed)
+            spring_legs.walk([2.0], LEGS, height=steady.height, speed=speed)
     with pytest.raises(ValueError, match="turns back"):
-        gait.walk([3.0], LEGS, height=0.95, speed=0.2)
+        spring_legs.walk([3.0], LEGS, height=0.95, speed=0.2)
     with pytest.raises(ValueError, match="takes off"):
-        gait.walk([1.0], LEGS, height=0.9999, speed=2.0, rise=0.5)
+        spring_legs.walk([1.0], LEGS, height=0.9999, speed=2.0, rise=0.5)
     with pytest.raises(ValueError, match=r"must move forwards"):
-        gait.walk([1.0], LEGS, height=0.9, speed=1.0)
-    assert gait.gaits(LEGS, energy=100.0) == ()
+        spring_legs.walk([1.0], LEGS, height=0.9, speed=1.0)
+    assert spring_legs.gaits(LEGS, energy=100.0) == ()
     with pytest.raises(ValueError, match="too little"):
         LEGS.speed(100.0, 0.97)
 
 
 def test_step_width_is_that_of_the_catalogue() -> None:
     # f = 0.9 strides per second, two steps each; 15 digits are given
-    assert gait.step_width(**LATERAL) == pytest.approx(0.0941403536091502, abs=1e-16)
+    assert lateral_steps.step_width(**LATERAL) == pytest.approx(0.0941403536091502, abs=1e-16)
 
 
 @pytest.mark.parametrize(("start", "side"), [((None, None), 1), ((None, None), -1), ((0.02, -0.05), 1)])
@@ -196,13 +197,13 @@ def test_balance_to_the_side_is_that_of_the_integrated_pendulum(start, side) -> 
     position, velocity = start
     lateral = {"margin": 0.0157, "leg_length": 1.17}
     t = np.linspace(0.0, 7.0 * LATERAL["step_time"] - 1e-9, 141)
-    walk = gait.lateral_walk(t, mass=80.0, side=side, position=position, velocity=velocity, **LATERAL)
+    walk = lateral_steps.lateral_walk(t, mass=80.0, side=side, position=position, velocity=velocity, **LATERAL)
     state = np.array([walk.position[0], walk.velocity[0]])
     if position is not None:
         assert state == pytest.approx([position, velocity], rel=1e-12)
     square, feet = 9.81 / 1.17, []
     for step in range(7):
-        foot = float(gait.foot_place(position=state[0], velocity=state[1], side=side, **lateral))
+        foot = float(lateral_steps.foot_place(position=state[0], velocity=state[1], side=side, **lateral))
         feet.append(foot)
         begin, end = step * LATERAL["step_time"], (step + 1) * LATERAL["step_time"]
         inside = (t >= begin) & (t < end - 1e-10)
@@ -216,10 +217,10 @@ def test_balance_to_the_side_is_that_of_the_integrated_pendulum(start, side) -> 
         assert walk.force[inside] == pytest.approx(80.0 * square * (foot - ode.y[0, :-1]), abs=1e-6)
         state, side = ode.y[:, -1], -side
     assert walk.feet == pytest.approx(feet, abs=1e-9)
-    assert np.abs(np.diff(walk.feet)) == pytest.approx(float(gait.step_width(**LATERAL)), rel=1e-12)
+    assert np.abs(np.diff(walk.feet)) == pytest.approx(float(lateral_steps.step_width(**LATERAL)), rel=1e-12)
     if position is None:
         assert walk.feet[0] == pytest.approx(-walk.feet[1], rel=1e-12)
-        assert np.abs(walk.position).max() < 0.5 * float(gait.step_width(**LATERAL))
+        assert np.abs(walk.position).max() < 0.5 * float(lateral_steps.step_width(**LATERAL))
 
 
 def test_nonsense_is_refused() -> None:
@@ -233,11 +234,11 @@ def test_nonsense_is_refused() -> None:
     with pytest.raises(ValueError, match=r"^overlap must"):
         gait.bachmann(weight=G, step_frequency=2.0).foot(0.0, 0, overlap=1.1)
     with pytest.raises(ValueError, match=r"^attack_angle must"):
-        gait.SpringLegs(80.0, 1.0, 14e3, 69.0)
+        spring_legs.SpringLegs(80.0, 1.0, 14e3, 69.0)
     for name in LATERAL:
         with pytest.raises(ValueError, match=f"^{name} must"):
-            gait.lateral_walk(1.0, mass=80.0, **(LATERAL | {name: -1.0}))
+            lateral_steps.lateral_walk(1.0, mass=80.0, **(LATERAL | {name: -1.0}))
         with pytest.raises(ValueError, match=f"^{name} must"):
-            gait.step_width(**(LATERAL | {name: -1.0}))
+            lateral_steps.step_width(**(LATERAL | {name: -1.0}))
     with pytest.raises(ValueError, match=r"^side must"):
-        gait.foot_place(position=0.0, velocity=0.0, side=0, margin=0.01, leg_length=1.0)
+        lateral_steps.foot_place(position=0.0, velocity=0.0, side=0, margin=0.01, leg_length=1.0)

@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ropewalk.theory import friction, locus, pulley, rope
+from closed_forms import pulley, slow_loads
+from ropewalk.theory import friction, locus, rope
 
 CASE = {"span": 20.0, "length": 22.0}
 DOWN = (0.0, -1.0)
@@ -30,7 +31,7 @@ every_route = pytest.mark.parametrize("closed", [True, False])
 def test_pulley_stands_on_the_ellipse_and_beyond_the_support(
     closed: bool, x: float, z: float, tension: float, hold: float
 ) -> None:
-    state = locus.ellipse(**CASE, load=1.0, x=x) if closed else locus.frictionless(**CASE, force=DOWN, x=x)
+    state = locus.ellipse(**CASE, load=1.0, x=x) if closed else slow_loads.frictionless(**CASE, force=DOWN, x=x)
     # 15 digits are given, 14 for the last z
     assert state.z == pytest.approx(z, abs=5e-14)
     assert [state.tension_behind, state.tension_ahead] == pytest.approx([tension] * 2, abs=1e-14)
@@ -46,7 +47,7 @@ def test_pulley_stands_on_the_ellipse_and_beyond_the_support(
     ],
 )
 def test_clamped_load_stands_where_two_circles_meet_or_hangs(xi: float, place: tuple, tensions: tuple) -> None:
-    state = locus.clamped(**CASE, force=DOWN, xi=xi)
+    state = slow_loads.clamped(**CASE, force=DOWN, xi=xi)
     assert [state.x, state.z] == pytest.approx(place, abs=6e-14)  # 14 digits are given
     assert [state.tension_behind, state.tension_ahead] == pytest.approx(tensions, abs=6e-14)
     assert state.hold == 0.0
@@ -54,7 +55,7 @@ def test_clamped_load_stands_where_two_circles_meet_or_hangs(xi: float, place: t
 
 @pytest.mark.parametrize(("xi", "capstan"), [(15.0, 0.19661651786242), (19.0, 0.69429438018249)])
 def test_friction_that_a_vertical_load_needs(xi: float, capstan: float) -> None:
-    state = locus.clamped(**CASE, force=DOWN, xi=xi)
+    state = slow_loads.clamped(**CASE, force=DOWN, xi=xi)
     sides = {"tension_behind": state.tension_behind, "tension_ahead": state.tension_ahead, "angle": state.turning_angle}
     assert friction.capstan_coefficient(**sides) == pytest.approx(capstan, abs=1e-13)  # 14 digits are given
     # the block needs the slope of the pulley's path in the same place, its hold force by the load
@@ -67,28 +68,28 @@ def test_friction_that_a_vertical_load_needs(xi: float, capstan: float) -> None:
 
 def test_clamped_load_hangs_below_the_support_from_the_vertical_segment_on() -> None:
     edge = (22.0**2 - 20.0**2) / (2 * 22.0)
-    taut = locus.clamped(**CASE, force=DOWN, xi=22.0 - edge - 1e-9)
+    taut = slow_loads.clamped(**CASE, force=DOWN, xi=22.0 - edge - 1e-9)
     assert 0.0 < taut.tension_behind < 1e-7
     assert taut.x < 20.0
     xi = 22.0 - edge * np.linspace(0.999999, 0.0, 7)
-    hanging = locus.clamped(**CASE, force=DOWN, xi=xi)
+    hanging = slow_loads.clamped(**CASE, force=DOWN, xi=xi)
     assert hanging.x == pytest.approx(20.0, abs=0.0)
     assert hanging.z == pytest.approx(xi - 22.0, abs=1e-14)
     assert hanging.tension_behind == pytest.approx(0.0, abs=0.0)
     assert hanging.turning_angle == pytest.approx(0.0, abs=0.0)
-    mirrored = locus.clamped(**CASE, force=DOWN, xi=22.0 - xi)
+    mirrored = slow_loads.clamped(**CASE, force=DOWN, xi=22.0 - xi)
     assert mirrored.x == pytest.approx(0.0, abs=0.0)
     assert mirrored.tension_behind == pytest.approx(1.0, abs=1e-15)
 
 
 def test_only_a_held_load_runs_backwards() -> None:
     """v > X: the clamped load under its weight alone never passes the support, the pulley does, as does the pushed."""
-    clamped = locus.clamped(**CASE, force=DOWN, xi=np.linspace(0.0, 22.0, 89))
+    clamped = slow_loads.clamped(**CASE, force=DOWN, xi=np.linspace(0.0, 22.0, 89))
     assert clamped.x.min() >= 0.0
     assert clamped.x.max() <= 20.0
     restrained = locus.ellipse(**CASE, load=1.0, x=20.9)
     assert restrained.hold > 3.0
-    pushed = locus.clamped(**CASE, force=(float(restrained.hold), -1.0), xi=restrained.xi)
+    pushed = slow_loads.clamped(**CASE, force=(float(restrained.hold), -1.0), xi=restrained.xi)
     assert [float(pushed.x), float(pushed.z)] == pytest.approx([float(restrained.x), float(restrained.z)], abs=1e-13)
     assert pushed.tension_behind == pytest.approx(pushed.tension_ahead, rel=1e-12)
 
@@ -128,14 +129,14 @@ def test_clamped_load_held_by_the_pulleys_force_stays_on_the_ellipse(
 ) -> None:
     case = {"span": 20.0, "height": height, "length": math.hypot(20.0, height) * (1.0 + excess)}
     restrained = locus.ellipse(**case, load=700.0, x=20.0 * share)
-    state = locus.clamped(**case, force=(float(restrained.hold), -700.0), xi=restrained.xi)
+    state = slow_loads.clamped(**case, force=(float(restrained.hold), -700.0), xi=restrained.xi)
     # roundings of the lengths through a taut triangle
     allowed = 1e-14 / excess
     moved = math.hypot(float(state.x - restrained.x), float(state.z - restrained.z))
     assert moved <= 1e-13 * case["length"] + 20.0 * allowed
     assert state.tension_behind == pytest.approx(restrained.tension_ahead, rel=1e-10 + 10.0 * allowed)
     assert state.tension_ahead == pytest.approx(restrained.tension_ahead, rel=1e-10 + 10.0 * allowed)
-    by_xi = locus.frictionless(**case, force=(0.0, -700.0), xi=restrained.xi)
+    by_xi = slow_loads.frictionless(**case, force=(0.0, -700.0), xi=restrained.xi)
     assert by_xi.hold == pytest.approx(restrained.hold, rel=1e-9 + 1e3 * allowed, abs=1e-9 + 1e3 * allowed)
 
 
@@ -204,10 +205,10 @@ def test_places_off_the_ellipse_and_loads_without_weight_are_refused() -> None:
     with pytest.raises(ValueError, match="no definite shape"):
         rope.weightless_inextensible(**CASE, loads=[(5.0, (0.0, 0.0))])
     with pytest.raises(ValueError, match="reach"):
-        locus.frictionless(**CASE, force=DOWN, x=21.1)
+        slow_loads.frictionless(**CASE, force=DOWN, x=21.1)
     for given_places in ({}, {"x": 5.0, "xi": 5.0}):
         with pytest.raises(ValueError, match="one of x and xi"):
-            locus.frictionless(**CASE, force=DOWN, **given_places)
+            slow_loads.frictionless(**CASE, force=DOWN, **given_places)
 
 
 def test_ellipse_broadcasts() -> None:

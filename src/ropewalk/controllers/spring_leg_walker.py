@@ -16,7 +16,7 @@ from ropewalk.mechanics.bodies import STANDS, SWINGS, Records
 from ropewalk.mechanics.chain import Array
 from ropewalk.model.walker import Walker
 
-# A leg begins upright and compressed by this part of the weight, as in the gaits of theory/gait.py.
+# A leg begins upright and compressed by this part of the weight, as in the periodic gaits of Geyer et al. (2006).
 UPRIGHT_FORCE = 0.52
 # A walker whose body is lower than this part of a leg above the line has fallen.
 FALLEN = 0.4
@@ -34,9 +34,9 @@ LONGEST_PUSH, MARGIN = 0.05, 1e-3
 # How far ahead of the body a foot may land, as a part of a leg.
 SHORTEST, LONGEST = -0.5, 0.7
 # Way of the body in a usual step on firm ground, and what is left of it when a walker begins, upright over one foot, as
-# parts of the reach of a leg (theory/gait.py).
+# parts of the reach of a leg (Geyer et al.).
 USUAL_STEP, LEFT_AT_START = 1.435, 0.435
-# Lead of the body over its foot, as a part of the reach, at which a pendulum is as fast as the walker of theory/gait.py
+# Lead of the body over its foot, as a part of the reach, at which a pendulum is as fast as the walker of Geyer et al.
 # when the other foot lands (he leads by 0.435 then).
 USUAL_LEAD = 0.39
 
@@ -45,7 +45,7 @@ USUAL_LEAD = 0.39
 class SpringLegWalker:
     """A walker on spring legs, who looks where to put the next foot a hundred times a second.
 
-    On firm ground it is the spring-mass walker of theory/gait.py: the leg that swings lands at the angle of attack, a
+    On firm ground it is the spring-mass walker of Geyer et al.: the leg that swings lands at the angle of attack, a
     leg that no longer pushes takes off. On a line that yields, the foot lands no sooner than the body has passed the
     other one, further ahead the faster the body is, and the leg, bent where the line comes up to meet it, is stretched
     again while it stands. The leg behind is longer by what makes up for the energy that the line has taken. All this

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Self, get_args
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, get_args
 
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationError
 from pydantic.json_schema import JsonSchemaValue
@@ -78,6 +78,30 @@ def report(title: str, findings: Iterable[Finding]) -> None:
     ]
     if details:
         raise ValidationError.from_exception_data(title, details)
+
+
+class FieldReader:
+    """Base of annotations: `read` makes the value, `write` (optional) what a file has, `json_form` the schema."""
+
+    write: ClassVar[Any] = None
+    when_written: ClassVar[Literal["json", "json-unless-none"]] = "json"
+
+    def read(self, value: Any) -> Any:
+        """Make the value of a field from what is written."""
+        raise NotImplementedError
+
+    def json_form(self) -> dict[str, Any]:
+        """Return the JSON schema of what may be written."""
+        raise NotImplementedError
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        written = None
+        if self.write is not None:
+            written = core_schema.plain_serializer_function_ser_schema(self.write, when_used=self.when_written)
+        return core_schema.no_info_plain_validator_function(self.read, serialization=written)
+
+    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return self.json_form()
 
 
 @dataclass(frozen=True)

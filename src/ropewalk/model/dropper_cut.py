@@ -6,18 +6,17 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic_core import core_schema
+from pydantic import Field
 
 from ropewalk.errors import Refused
-from ropewalk.model._base import Declaration, Finding, Path
+from ropewalk.model._base import Declaration, FieldReader, Finding, Path
 from ropewalk.model.quantity import Count, PositiveTime
 
 _MOST = 10_000
 
 
 @dataclass(frozen=True)
-class SpanAndNumber:
+class SpanAndNumber(FieldReader):
     """Annotation: droppers as pairs of counts, their span and their number in it."""
 
     def read(self, value: object) -> tuple[tuple[int, int], ...]:
@@ -33,10 +32,7 @@ class SpanAndNumber:
             found.append((span, number))
         return tuple(found)
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def json_form(self) -> dict[str, Any]:
         one = {"type": "integer", "minimum": 1, "maximum": _MOST}
         return {"type": "array", "items": {"type": "array", "items": one, "minItems": 2, "maxItems": 2}}
 

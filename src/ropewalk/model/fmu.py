@@ -6,11 +6,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, StrictBool, model_validator
-from pydantic_core import core_schema
+from pydantic import Field, StrictBool, model_validator
 
 from ropewalk.errors import Refused
-from ropewalk.model._base import Declaration, Finding, report
+from ropewalk.model._base import Declaration, FieldReader, Finding, report
 from ropewalk.model.exchange import Exchange
 from ropewalk.model.history import SpeedHistory
 from ropewalk.model.quantity import Name, Number, Offset, PositiveTime, Station, Way
@@ -21,7 +20,7 @@ Value = bool | int | float | str
 
 
 @dataclass(frozen=True)
-class _Values:
+class _Values(FieldReader):
     """Annotation: values of variables by name."""
 
     def read(self, value: Any) -> dict[str, Value]:
@@ -40,10 +39,7 @@ class _Values:
         report("values", findings)
         return dict(value)
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def json_form(self) -> dict[str, Any]:
         return {"type": "object", "additionalProperties": {"type": ["number", "boolean", "string"]}}
 
 

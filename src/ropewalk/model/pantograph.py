@@ -6,11 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, model_validator
-from pydantic_core import core_schema
+from pydantic import Field, model_validator
 
 from ropewalk.errors import Refused, did_you_mean
-from ropewalk.model._base import Declaration, Finding, report
+from ropewalk.model._base import Declaration, FieldReader, Finding, report
 from ropewalk.model.head import PantographHead
 from ropewalk.model.history import SpeedHistory, SpeedTable
 from ropewalk.model.pantographs import PUBLISHED, TARGETS, Published
@@ -50,8 +49,10 @@ class PantographTravel(Declaration):
 
 
 @dataclass(frozen=True)
-class _ForceOrTarget:
+class _ForceOrTarget(FieldReader):
     """Annotation: a force, or the name of what a standard asks for."""
+
+    when_written = "json-unless-none"
 
     def read(self, value: object) -> float | str:
         if isinstance(value, str) and value in TARGETS:
@@ -61,21 +62,16 @@ class _ForceOrTarget:
             raise Refused("no such mean force", remedy)
         return Quantity("N", "positive").read(value)
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(
-            self.read,
-            serialization=core_schema.plain_serializer_function_ser_schema(
-                lambda value: value if isinstance(value, str) else written(value, "N"), when_used="json-unless-none"
-            ),
-        )
+    def write(self, value: float | str) -> str | float:
+        return value if isinstance(value, str) else written(value, "N")
 
-    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        force = Quantity("N", "positive").__get_pydantic_json_schema__(None, handler)
+    def json_form(self) -> dict[str, Any]:
+        force = Quantity("N", "positive").json_form()
         return {"anyOf": [{"enum": list(TARGETS)}, force]}
 
 
 @dataclass(frozen=True)
-class _FileOrEach:
+class _FileOrEach(FieldReader):
     """Annotation: the name of a file, or of one for each of several lines."""
 
     def read(self, value: object) -> str | dict[str, str]:
@@ -90,10 +86,7 @@ class _FileOrEach:
             )
         return value if isinstance(value, str) else dict(each)
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def json_form(self) -> dict[str, Any]:
         return {"anyOf": [{"type": "string"}, {"type": "object", "additionalProperties": {"type": "string"}}]}
 
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import GetCoreSchemaHandler
 from pydantic_core import core_schema
 
 from ropewalk.errors import Refused
@@ -58,9 +58,9 @@ class StartPosition(Quantity):
         writer = core_schema.plain_serializer_function_ser_schema(self.write, info_arg=True)
         return core_schema.no_info_plain_validator_function(self.read, serialization=writer)
 
-    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def json_form(self) -> dict[str, Any]:
         x = {"type": "object", "properties": {"x": {"type": ["number", "string"], "unit": "m"}}, "required": ["x"]}
-        number = super().__get_pydantic_json_schema__(None, handler)
+        number = super().json_form()
         return {"unit": self.unit, "anyOf": [number, {"enum": [MIDDLE]}, {**x, "additionalProperties": False}]}
 
 

@@ -6,18 +6,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import AfterValidator, GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationError
+from pydantic import AfterValidator, GetCoreSchemaHandler, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import InitErrorDetails, core_schema
 
 from ropewalk.errors import Refused
+from ropewalk.model._base import FieldReader
 from ropewalk.units import SMALLEST, to_si, written
 
 Sign = Literal["any", "positive", "not negative"]
 
 
 @dataclass(frozen=True)
-class Quantity:
+class Quantity(FieldReader):
     """Annotation: a float in an SI unit, read from a number or from text with a unit.
 
     Args:
@@ -51,7 +52,7 @@ class Quantity:
             ),
         )
 
-    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def json_form(self) -> dict[str, Any]:
         schema: dict[str, Any] = {"type": ["number", "string"], "unit": self.unit}
         if self.sign != "any":
             schema["exclusiveMinimum" if self.sign == "positive" else "minimum"] = 0
@@ -59,7 +60,7 @@ class Quantity:
 
 
 @dataclass(frozen=True)
-class Components:
+class Components(FieldReader):
     """Annotation: two or three quantities, [x, z] or [x, y, z], kept as a tuple of floats."""
 
     unit: str
@@ -85,19 +86,13 @@ class Components:
     def write(self, value: tuple[float, ...]) -> list[str | float]:
         return [written(component, self.unit) for component in value]
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(
-            self.read,
-            serialization=core_schema.plain_serializer_function_ser_schema(self.write, when_used="json"),
-        )
-
-    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def json_form(self) -> dict[str, Any]:
         items = {"type": ["number", "string"], "unit": self.unit}
         return {"type": "array", "items": items, "minItems": 2, "maxItems": 3}
 
 
 @dataclass(frozen=True)
-class OneOrEach:
+class OneOrEach(FieldReader):
     """Annotation: one quantity for all directions, or two or three of them, [x, z] or [x, y, z]."""
 
     unit: str
@@ -121,19 +116,13 @@ class OneOrEach:
     def write(self, value: float | tuple[float, ...]) -> str | float | list[str | float]:
         return Components(self.unit).write(value) if isinstance(value, tuple) else written(value, self.unit)
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(
-            self.read,
-            serialization=core_schema.plain_serializer_function_ser_schema(self.write, when_used="json"),
-        )
-
-    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        one = Quantity(self.unit, self.sign).__get_pydantic_json_schema__(None, handler)
+    def json_form(self) -> dict[str, Any]:
+        one = Quantity(self.unit, self.sign).json_form()
         return {"anyOf": [one, {"type": "array", "items": one, "minItems": 2, "maxItems": 3}]}
 
 
 @dataclass(frozen=True)
-class Rows:
+class Rows(FieldReader):
     """Annotation: a list of lists of plain numbers, or an array, kept as a tuple of tuples of floats."""
 
     def read(self, value: object) -> tuple[tuple[float, ...], ...]:
@@ -160,16 +149,13 @@ class Rows:
             raise ValidationError.from_exception_data("rows", details)
         return tuple(rows)
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def json_form(self) -> dict[str, Any]:
         cell = {"type": ["number", "string"], "unit": "dimensionless"}
         return {"type": "array", "items": {"type": "array", "items": cell}}
 
 
 @dataclass(frozen=True)
-class Listed:
+class Listed(FieldReader):
     """Annotation: a list of quantities, kept as a tuple of floats.
 
     Args:
@@ -179,6 +165,7 @@ class Listed:
         nested: accept a list of lists, too, kept as a tuple of tuples.
     """
 
+    when_written = "json-unless-none"
     unit: str
     sign: Sign = "any"
     one: bool = False
@@ -220,14 +207,8 @@ class Listed:
     def write(self, value: Any) -> Any:
         return [self.write(entry) for entry in value] if isinstance(value, tuple) else written(value, self.unit)
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(
-            self.read,
-            serialization=core_schema.plain_serializer_function_ser_schema(self.write, when_used="json-unless-none"),
-        )
-
-    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        one = Quantity(self.unit, self.sign).__get_pydantic_json_schema__(None, handler)
+    def json_form(self) -> dict[str, Any]:
+        one = Quantity(self.unit, self.sign).json_form()
         row = {"type": "array", "items": one, "minItems": 1}
         rows = [{"type": "array", "items": row, "minItems": 1}] if self.nested else []
         choices = ([one] if self.one else []) + [row, *rows]
@@ -246,8 +227,10 @@ class AutoLength(float):
 
 
 @dataclass(frozen=True)
-class LengthOrAuto:
+class LengthOrAuto(FieldReader):
     """Annotation: a length above 0 in m, read from a number or from text with a unit, or `auto`, which is infinite."""
+
+    when_written = "json-unless-none"
 
     def read(self, value: object) -> float:
         if value == AUTO or isinstance(value, AutoLength):
@@ -260,18 +243,12 @@ class LengthOrAuto:
     def write(self, value: float) -> str | float:
         return AUTO if isinstance(value, AutoLength) else written(value, "m")
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(
-            self.read,
-            serialization=core_schema.plain_serializer_function_ser_schema(self.write, when_used="json-unless-none"),
-        )
-
-    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        return {"anyOf": [Quantity("m", "positive").__get_pydantic_json_schema__(None, handler), {"enum": [AUTO]}]}
+    def json_form(self) -> dict[str, Any]:
+        return {"anyOf": [Quantity("m", "positive").json_form(), {"enum": [AUTO]}]}
 
 
 @dataclass(frozen=True)
-class Count:
+class Count(FieldReader):
     """Annotation: a whole number between two bounds, or, where `auto` says which one stands for it, `auto`."""
 
     least: int
@@ -297,15 +274,10 @@ class Count:
             raise Refused("is too small" if value < self.least else "is too large", bounds)
         return int(value)
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(
-            self.read,
-            serialization=core_schema.plain_serializer_function_ser_schema(
-                lambda value: AUTO if isinstance(value, Auto) else value, when_used="json"
-            ),
-        )
+    def write(self, value: int) -> str | int:
+        return AUTO if isinstance(value, Auto) else value
 
-    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def json_form(self) -> dict[str, Any]:
         number = {"type": "integer", "minimum": self.least, "maximum": self.most}
         return number if self.auto is None else {"anyOf": [number, {"enum": [AUTO]}]}
 

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, TypeAdapter
+from pydantic import Field, GetCoreSchemaHandler, TypeAdapter
 from pydantic_core import core_schema
 
 from ropewalk.errors import Refused
-from ropewalk.model._base import Declaration
+from ropewalk.model._base import Declaration, FieldReader
 from ropewalk.model.quantity import Count, Lengths, PositiveLength
 
 MOST_SPANS = 10_000
@@ -49,7 +49,7 @@ class ListOrSpans:
 
 
 @dataclass(frozen=True)
-class FirstAndLast:
+class FirstAndLast(FieldReader):
     """Annotation: two counts, the numbers of the first and the last span."""
 
     def read(self, value: object) -> tuple[int, int]:
@@ -59,9 +59,6 @@ class FirstAndLast:
         first, last = (Count(1, MOST_SPANS).read(entry) for entry in entries)
         return first, last
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def json_form(self) -> dict[str, Any]:
         one = {"type": "integer", "minimum": 1, "maximum": MOST_SPANS}
         return {"type": "array", "items": one, "minItems": 2, "maxItems": 2}

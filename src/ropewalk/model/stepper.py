@@ -6,11 +6,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, model_validator
-from pydantic_core import core_schema
+from pydantic import Field, model_validator
 
 from ropewalk.errors import Refused
-from ropewalk.model._base import Declaration, Finding, Path, report
+from ropewalk.model._base import Declaration, FieldReader, Finding, Path, report
 from ropewalk.model.exchange import Exchange
 from ropewalk.model.quantity import Offset, PositiveTime, Way
 from ropewalk.model.travel import ON_NETS, AtEnd, Place
@@ -20,7 +19,7 @@ _DEEPEST = 20
 
 
 @dataclass(frozen=True)
-class _Model:
+class _Model(FieldReader):
     """Annotation: an object with `step`, or text that says where to find what makes one."""
 
     def read(self, value: Any) -> Any:
@@ -41,17 +40,12 @@ class _Model:
             raise ValueError("an object cannot be written; write its class or function as module:name")
         return value
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(
-            self.read, serialization=core_schema.plain_serializer_function_ser_schema(self.write, when_used="json")
-        )
-
-    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def json_form(self) -> dict[str, Any]:
         return {"type": "string"}
 
 
 @dataclass(frozen=True)
-class _Options:
+class _Options(FieldReader):
     """Annotation: arguments by name, of values that a file can hold."""
 
     def read(self, value: Any) -> dict[str, Any]:
@@ -67,10 +61,7 @@ class _Options:
         report("options", findings)
         return read
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def json_form(self) -> dict[str, Any]:
         return {"type": "object"}
 
 

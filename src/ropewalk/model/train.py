@@ -8,11 +8,10 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, model_validator
-from pydantic_core import core_schema
+from pydantic import Field, model_validator
 
 from ropewalk.errors import Refused, did_you_mean
-from ropewalk.model._base import Declaration, Finding, report
+from ropewalk.model._base import Declaration, FieldReader, Finding, report
 from ropewalk.model.axles import TrainTravel, onward
 from ropewalk.model.contact import LIFT_OFF
 from ropewalk.model.history import SpeedTable
@@ -28,7 +27,7 @@ NEXT = "next."
 
 
 @dataclass(frozen=True)
-class _Names:
+class _Names(FieldReader):
     """Annotation: names in order, of which one that comes several times may be written with its number, 8 coach."""
 
     def read(self, value: object) -> tuple[str, ...]:
@@ -43,10 +42,7 @@ class _Names:
             raise Refused(f"has {len(found)} vehicles", f"write 1 to {MOST} of them", given=str(len(found)))
         return tuple(found)
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def json_form(self) -> dict[str, Any]:
         return {"type": "array", "items": {"type": "string"}, "minItems": 1}
 
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic_core import core_schema
-
 from ropewalk.errors import Refused
+from ropewalk.model._base import FieldReader
 from ropewalk.model.quantity import Quantity
 from ropewalk.units import written
 
@@ -39,6 +37,7 @@ class RunEnd(Quantity):
     """Annotation: a positive time, or until all loads have crossed."""
 
     unit: str = "s"
+    __get_pydantic_core_schema__ = FieldReader.__get_pydantic_core_schema__  # that of Quantity reads plain numbers only
 
     def read(self, value: object) -> float:
         if isinstance(value, Crossing):
@@ -52,16 +51,11 @@ class RunEnd(Quantity):
             raise Refused("expected a time", _FORM, given=repr(value))
         return Crossing.of(1.0, Quantity("s", "not negative").read(rest[1:].strip()))
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(
-            self.read,
-            serialization=core_schema.plain_serializer_function_ser_schema(
-                lambda value: value.text if isinstance(value, Crossing) else written(value, "s"), when_used="json"
-            ),
-        )
+    def write(self, value: float) -> str | float:
+        return value.text if isinstance(value, Crossing) else written(value, "s")
 
-    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        return {"anyOf": [Quantity("s", "positive").__get_pydantic_json_schema__(None, handler), {"enum": [CROSSING]}]}
+    def json_form(self) -> dict[str, Any]:
+        return {"anyOf": [Quantity("s", "positive").json_form(), {"enum": [CROSSING]}]}
 
 
 Until = Annotated[float, RunEnd()]

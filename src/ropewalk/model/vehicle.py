@@ -8,11 +8,10 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, model_validator
-from pydantic_core import core_schema
+from pydantic import Field, model_validator
 
 from ropewalk.errors import Refused, did_you_mean
-from ropewalk.model._base import Declaration, Finding, report
+from ropewalk.model._base import Declaration, FieldReader, Finding, report
 from ropewalk.model.contact import CONTACT_STIFFNESS, LIFT_OFF, SIDE, Side, one_sided, soft_contact
 from ropewalk.model.quantity import (
     Acceleration,
@@ -44,7 +43,7 @@ class Wheel(Declaration):
 
 
 @dataclass(frozen=True)
-class _TwoNames:
+class _TwoNames(FieldReader):
     """Annotation: two names in a list."""
 
     def read(self, value: object) -> tuple[str, str]:
@@ -52,10 +51,7 @@ class _TwoNames:
             raise Refused("expected two names", "write [body, wheel] or [body, body]")
         return value[0], value[1]
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(self, _: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def json_form(self) -> dict[str, Any]:
         return {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
 
 

@@ -6,14 +6,14 @@ from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
 
-AVAILABLE: tuple[int | str, ...] = (2, 3, 4, 5, 6, 7, "bands", "softness", "linear-limits")
-"""Numbers of the paper's figures that can be drawn, and names of our own."""
+AVAILABLE = (2, 3, 4, 5, 6, 7)
+"""Numbers of the figures that can be drawn."""
 
 
 def figures(
-    directory: Path, only: Sequence[int | str] | None = None, progress: Callable[[float], None] | None = None
+    directory: Path, only: Sequence[int] | None = None, progress: Callable[[float], None] | None = None
 ) -> list[Path]:
-    """Compute and draw figures of the paper, and some that go with them, as PNG files.
+    """Compute and draw figures of the paper as PNG files.
 
     Args:
         directory: folder to write to; made if it does not exist.
@@ -26,14 +26,10 @@ def figures(
     directory.mkdir(parents=True, exist_ok=True)
     wanted, written = list(only) if only is not None else list(AVAILABLE), []
     for done, name in enumerate(wanted):
-        figure = import_module(f"ropewalk.paper.{_module(name)}").draw()
+        figure = import_module(f"ropewalk.paper.figure{name}").draw()
         path = directory / f"figure-{name}.png"
         figure.savefig(path)
         written.append(path)
         if progress is not None:
             progress((done + 1) / len(wanted))
     return written
-
-
-def _module(name: int | str) -> str:
-    return f"figure{name}" if isinstance(name, int) else f"figure_{name.replace('-', '_')}"

@@ -12,12 +12,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ropewalk.model import Dynamic, Scenario
-from ropewalk.model.overhead import Droppers, OverheadLine, SteadyArms
-from ropewalk.model.overhead_wire import ContactWire, MessengerWire
-from ropewalk.model.pantograph import Pantograph, PantographTravel
+from ropewalk.model import Scenario
+from ropewalk.model.pantograph import Pantograph
 from ropewalk.model.run import Geometry
-from ropewalk.model.spans import Spans
 from ropewalk.results.contact_statistics import (
     CUTOFF,
     analysed_stations,
@@ -42,6 +39,8 @@ from ropewalk.results.style import (
     dress,
     legend,
 )
+from ropewalk.scenario import loads
+from ropewalk.scenario.examples import examples
 from ropewalk.simulate import simulate
 
 if TYPE_CHECKING:
@@ -52,9 +51,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 SPEED, START, STOP = 250.0 / 3.6, 10.0, 430.0  # m/s, m, m
-CONTACT = ContactWire(mass=1.35, tension=20e3, bending_stiffness=0.0)
-MESSENGER = MessengerWire(mass=1.07, tension=16e3, bending_stiffness=0.0)
-DROPPERS = Droppers(at=(5.0, 10.5, 17.0, 23.5, 30.0, 36.5, 43.0, 49.5, 55.0), stiffness=100e3)
 STRIDE = 2.5  # m, from frame to frame
 DISPLAYED = 295.0  # m, place of the pantograph in the first panel: droppers slacken before and behind a support
 PLACES = (250.0, 280.0, 310.0, 340.0)  # m, of the second panel
@@ -75,23 +71,12 @@ class Shape(NamedTuple):
 
 def scenario(geometry: Geometry = "nonlinear", element: float = 0.25) -> Scenario:
     """The reference line of ten spans; statistics are those of the two in the middle."""
-    line = OverheadLine(
-        spans=Spans(count=10, length=60.0),
-        contact_wire=CONTACT,
-        messenger_wire=MESSENGER,
-        droppers=DROPPERS,
-        system_height=1.2,
-        steady_arms=SteadyArms(mass=1.0 / 3.0),
-        element=element,
-        analysed_spans=(5, 6),
-    )
-    travel = PantographTravel(speed=SPEED, start=START)
-    return Scenario(
-        title="Figure 7",
-        overhead_lines={"line": line},
-        loads={"pantograph": Pantograph(on="line", model="en50318-2002", travel=travel)},
-        run=Dynamic(until=(STOP - START) / SPEED, every=STRIDE / SPEED, geometry=geometry),
-    )
+    settings = {
+        "title": "Figure 7", "overhead_lines.line.element": f"{element} m", "run.geometry": geometry,
+        "run.until": f"{(STOP - START) / SPEED} s", "run.every": f"{STRIDE / SPEED} s",
+    }  # fmt: skip
+    text = examples()["en50318-2002-250"]
+    return loads(text, overrides=[f"{key}={value}" for key, value in settings.items()])
 
 
 def shape_at(result: xr.Dataset, place: float) -> Shape:
@@ -204,13 +189,14 @@ def _forces(ax: Axes, results: dict[Geometry, xr.Dataset], analysed: tuple[float
 
 def _note(large: Scenario) -> str:
     line, parts = large.overhead_lines["line"], large.loads["pantograph"]
+    contact, messenger = line.contact_wire, line.messenger_wire
     assert isinstance(parts, Pantograph)
     (frame, head), (base, spring), (slow, quick) = parts.parts.masses, parts.parts.stiffness, parts.parts.damping
     at = ", ".join(f"{x:g}" for x in line.dropper_places[0])
     return (
-        f"{len(line.span_lengths)} spans of {line.span_lengths[0]:g} m, contact wire {CONTACT.mass:g} kg/m, "
-        f"{CONTACT.tension / 1e3:g} kN, messenger {MESSENGER.mass:g} kg/m, {MESSENGER.tension / 1e3:g} kN, "
-        f"EI = 0, no damping,\ndroppers {DROPPERS.stiffness / 1e3:g} kN/m at {at} m of each span, "
+        f"{len(line.span_lengths)} spans of {line.span_lengths[0]:g} m, contact wire {contact.mass:g} kg/m, "
+        f"{contact.tension / 1e3:g} kN, messenger {messenger.mass:g} kg/m, {messenger.tension / 1e3:g} kN, "
+        f"EI = 0, no damping,\ndroppers {line.droppers.stiffness / 1e3:g} kN/m at {at} m of each span, "
         f"system height {line.system_height:g} m, steady arms {line.steady_arms.moving_mass:.2g} kg,\n"
         f"pantograph {frame:g} and {head:g} kg on {base:g} and {spring:g} N/m, {slow:g} and {quick:g} N s/m, "
         f"{parts.pressed_with:g} N, contact {parts.contact_stiffness / 1e3:g} kN/m, V = {3.6 * SPEED:g} km/h, "

@@ -1,4 +1,4 @@
-"""The scenario file: reading (every problem at once), writing, its schema, its reference, a first example.
+"""The scenario file: reading (every problem at once), writing, its schema, a first example.
 
 The one place that maps names to declarations and files to models.
 """
@@ -6,7 +6,6 @@ The one place that maps names to declarations and files to models.
 from ropewalk.errors import Problem, ScenarioError
 from ropewalk.model.writing import brief, dump, save, tree_of
 from ropewalk.scenario.loading import load, loads, varying
-from ropewalk.scenario.reference import reference
 from ropewalk.scenario.schema import json_schema
 from ropewalk.scenario.template import template
 
@@ -18,7 +17,6 @@ __all__ = [
     "json_schema",
     "load",
     "loads",
-    "reference",
     "save",
     "template",
     "tree_of",

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import re
-from json import JSONDecodeError
-from json.decoder import scanstring  # type: ignore[attr-defined]
 from typing import Any
 
-from ropewalk.scenario.source import Key, Source, syntax_error, too_deep
+from ropewalk.errors import Problem
+from ropewalk.scenario.source import Key, Source, dotted, syntax_error, too_deep
 
-_SPACE = re.compile(r"[ \t\r\n]*")
-_NUMBER = re.compile(r"-?(?:0|[1-9]\d*)(\.\d+)?([eE][+-]?\d+)?")
-_WORDS = {"true": True, "false": False, "null": None, "NaN": float("nan"), "Infinity": float("inf")}
+_TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|[][{}]|[^]["{}\s,:]+')
+_LONGEST_INTEGER = 400  # characters; a longer one is infinite
 
 
 def read_json(text: str, name: str) -> Source:
@@ -24,123 +23,55 @@ def read_json(text: str, name: str) -> Source:
     if not text.strip():
         return source
     try:
-        _JsonReader(text, source).document()
-    except JSONDecodeError as error:
+        source.tree = json.loads(text, object_pairs_hook=_first_values, parse_int=_integer)
+    except json.JSONDecodeError as error:
         wrong = f"this is not JSON, column {error.colno}: {error.msg}"
-        raise syntax_error(
-            name,
-            error.lineno,
-            wrong,
-            "put keys in double quotes, commas between entries, and close all brackets",
-        ) from None
+        remedy = "put keys in double quotes, commas between entries, and close all brackets"
+        raise syntax_error(name, error.lineno, wrong, remedy) from None
     except RecursionError:
         raise too_deep(text, name) from None
+    _note_lines(text, source)
     return source
 
 
-class _JsonReader:
-    """A recursive descent over the text that notes the line of every key and entry."""
+def _first_values(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    return dict(pairs) if len({name for name, _ in pairs}) == len(pairs) else dict(reversed(pairs))
 
-    def __init__(self, text: str, source: Source) -> None:
-        self.text, self.source = text, source
-        self.at, self.line, self.counted = 0, 1, 0
 
-    def document(self) -> None:
-        self.space()
-        self.source.lines[()] = self.here()
-        self.source.tree = self.value(())
-        self.space()
-        if self.at < len(self.text):
-            raise self.error("there is text after the end of the document")
+def _integer(digits: str) -> float:
+    return int(digits) if len(digits) <= _LONGEST_INTEGER else float(digits)
 
-    def error(self, what: str) -> JSONDecodeError:
-        return JSONDecodeError(what, self.text, self.at)
 
-    def here(self) -> int:
-        self.line += self.text.count("\n", self.counted, self.at)
-        self.counted = self.at
-        return self.line
+def _note_lines(text: str, source: Source) -> None:
+    """Note the line of every key and entry of valid JSON, and keys that occur twice in a block."""
+    line, counted = 1, 0
+    blocks: list[tuple[Key, list[str] | None]] = []  # open ones; names of a block so far, or None for a list
+    sizes: list[int] = []  # their numbers of values so far
+    for found in _TOKEN.finditer(text):
+        token = found[0]
+        line, counted = line + text.count("\n", counted, found.start()), found.start()
+        if token in "]}":
+            blocks.pop()
+            sizes.pop()
+            continue
+        at: Key = ()
+        if blocks:
+            key, names = blocks[-1]
+            if names is not None and len(names) == sizes[-1]:
+                _note_key(source, key, json.loads(token), names, line)
+                continue
+            at = (*key, str(sizes[-1]) if names is None else names[-1])
+            sizes[-1] += 1
+        source.lines.setdefault(at, line)
+        if token in "[{":
+            blocks.append((at, [] if token == "{" else None))
+            sizes.append(0)
 
-    def space(self) -> str:
-        """Skip blanks and look at the next character."""
-        match = _SPACE.match(self.text, self.at)
-        self.at = match.end() if match else self.at
-        return self.text[self.at : self.at + 1]
 
-    def value(self, key: Key) -> Any:
-        sign = self.space()
-        if sign == "{":
-            return self.object(key)
-        if sign == "[":
-            return self.array(key)
-        if sign == '"':
-            return self.string()
-        for word, meaning in _WORDS.items():
-            if self.text.startswith(word, self.at):
-                self.at += len(word)
-                return meaning
-        match = _NUMBER.match(self.text, self.at)
-        if match is None:
-            raise self.error("expected a value here" if sign else "the text ends too early")
-        self.at = match.end()
-        if match[1] or match[2] or len(match[0]) > 400:
-            return float(match[0])
-        return int(match[0])
-
-    def string(self) -> str:
-        value, self.at = scanstring(self.text, self.at + 1, True)
-        return str(value)
-
-    def object(self, key: Key) -> dict[str, Any]:
-        values: dict[str, Any] = {}
-        self.at += 1
-        if self.space() == "}":
-            self.at += 1
-            return values
-        while True:
-            if self.space() != '"':
-                raise self.error("expected a key in double quotes here")
-            line = self.here()
-            name = self.string()
-            if self.space() != ":":
-                raise self.error("expected a colon after the key")
-            self.at += 1
-            self.member(values, (*key, name), line)
-            sign = self.space()
-            self.at += 1
-            if sign == "}":
-                return values
-            if sign != ",":
-                self.at -= 1
-                raise self.error("expected a comma or } here")
-
-    def member(self, values: dict[str, Any], key: Key, line: int) -> None:
-        first = self.source.lines.get(key) if key[-1] in values else None
-        self.source.lines[key] = line
-        if first is None:
-            values[key[-1]] = self.value(key)
-            return
-        remedy = f"keep one ({self.source.name}:{first})"
-        self.source.problems.append(self.source.problem(key, "the key occurs twice in this block", remedy=remedy))
-        kept = dict(self.source.lines)
-        self.value(key)
-        self.source.lines = kept | {key: first}
-
-    def array(self, key: Key) -> list[Any]:
-        values: list[Any] = []
-        self.at += 1
-        if self.space() == "]":
-            self.at += 1
-            return values
-        while True:
-            self.space()
-            at = (*key, str(len(values)))
-            self.source.lines[at] = self.here()
-            values.append(self.value(at))
-            sign = self.space()
-            self.at += 1
-            if sign == "]":
-                return values
-            if sign != ",":
-                self.at -= 1
-                raise self.error("expected a comma or ] here")
+def _note_key(source: Source, block: Key, name: str, names: list[str], line: int) -> None:
+    key = (*block, name)
+    if name in names:
+        wrong, remedy = "the key occurs twice in this block", f"keep one ({source.name}:{source.lines[key]})"
+        source.problems.append(Problem(dotted(key), wrong, "", remedy, source.name, line))
+    source.lines.setdefault(key, line)
+    names.append(name)

@@ -1,23 +1,21 @@
 """Closed forms and semi-analytic solutions, the references that the simulation is checked against.
 
 ==================  =====================================================================================
-``string``          what moves along a taut string: force (exact, modal), any course, mass, oscillator
+``string``          a taut string under a moving force (exact, modal), mass and oscillator
 ``rope``            ropes at rest under clamped point loads, heavy or weightless, elastic or inextensible
 ``shooting``        the same ropes by integration from the start and walking the miss to zero
-``pulley``          ropes at rest under frictionless loads and the forces that hold them
-``locus``           path of a slowly moved load, its tensions and hold force; the ellipse
+``locus``           ellipse of a slowly moved frictionless load
 ``friction``        friction that a load needs: capstan and point block
 ``bead``            bead that slides on a weightless rope, with and without friction, until it rests
-``periodic``        lines on periodic supports: pass bands, propagation constants, moving force
 ``cable``           natural frequencies and modes of a shallow sagging cable
-``whirl``           taut line at large amplitude, planar and circular; the skipping rope
+``whirl``           circular whirls of a taut line at large amplitude
 ``beam``            force, mass, oscillator, vehicle crossing a beam; frequencies, buckling, impact factors
 ``beam_vehicle``    the vehicles: matrices of linear bodies on wheels
 ``foundation``      load moving on an infinite string or beam on an elastic, viscous bed
 ``selfsimilar``     nonlinear string without ends: transverse impact, force that starts to move
 ``chain``           natural frequencies of the straight chain of links
-``membrane``        rectangular and circular membranes, the net of taut strings, force crossing a rectangle
-``gait``            walking: forces by harmonics, two spring legs, balance to the side
+``membrane``        frequencies of rectangular membranes, deflection of nets of taut strings
+``gait``            walking: forces by harmonics
 ``highline``        person on an elastic webbing: sag, tension, frequencies
 ``lateral_balance`` people on a deck that sways: gait in closed form, negative damping
 ==================  =====================================================================================
@@ -44,8 +42,6 @@ if TYPE_CHECKING:
         lateral_balance,
         locus,
         membrane,
-        periodic,
-        pulley,
         rope,
         selfsimilar,
         shooting,
@@ -66,8 +62,6 @@ __all__ = [
     "lateral_balance",
     "locus",
     "membrane",
-    "periodic",
-    "pulley",
     "rope",
     "selfsimilar",
     "shooting",

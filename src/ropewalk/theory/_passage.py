@@ -26,11 +26,6 @@ class Passage:
     under_way: FloatArray  # 1 while the load is on the string, else 0
     gone: NDArray[np.bool_]
 
-    @property
-    def ends(self) -> tuple[FloatArray, FloatArray]:
-        """Both ends of the phase interval, the load's and the wave's, up to periods; the kinks lie there."""
-        return self.start, self.start + self._whole_periods()[1]
-
     def fraction(self, x: FloatArray) -> FloatArray:
         """phi: the part of the phase interval inside the windows ``2kL - x .. 2kL + x``."""
         whole, rest = self._whole_periods()
@@ -39,20 +34,6 @@ class Passage:
             upper = np.minimum(rest, centre + x - self.start)
             inside = inside + np.maximum(upper - np.maximum(centre - x - self.start, 0.0), 0.0)
         return np.where(self.width > 0.0, inside / self._safe_width(), self._indicator(x, self.start))
-
-    def edge_density(self, x: FloatArray) -> FloatArray:
-        """d phi / dx: window edges in the phase interval (halves on its ends) by its length."""
-        whole, rest = self._whole_periods()
-        count = 2.0 * whole + np.zeros_like(x)
-        for centre in self._centres(rest):
-            for edge in (centre - x - self.start, centre + x - self.start):
-                count = count + np.heaviside(edge, 0.5) * np.heaviside(rest - edge, 0.5)
-        return np.where(self.width > 0.0, count / self._safe_width(), 0.0)
-
-    def indicator_at_ends(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """1 where the wave's and the load's end of the interval lie in a window, 1/2 on an edge, else 0."""
-        _, rest = self._whole_periods()
-        return self._indicator(x, self.start + rest), self._indicator(x, self.start)
 
     def _indicator(self, x: FloatArray, phase: FloatArray) -> FloatArray:
         inside = np.zeros(np.broadcast_shapes(x.shape, phase.shape))

@@ -16,7 +16,6 @@ other near the cross-over and their modes are neither (Triantafyllou, 1984).
 """
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,16 +24,12 @@ from ropewalk.theory import _arguments
 
 __all__ = [
     "CableFrequencies",
-    "ModeKind",
-    "crossover_parameter",
     "irvine_parameter",
-    "mode_shape",
     "natural_frequencies",
     "symmetric_roots",
 ]
 
 FloatArray = NDArray[np.float64]
-ModeKind = Literal["symmetric", "antisymmetric", "out_of_plane"]
 
 
 @dataclass(frozen=True)
@@ -147,45 +142,6 @@ def symmetric_roots(lambda_squared: ArrayLike, *, modes: int) -> FloatArray:
         value = stretch * (sine - x * cosine) + sag * x**3 * cosine
         low, high = np.where(value * side > 0.0, x, low), np.where(value * side > 0.0, high, x)
     return np.where(parameter == 0.0, start, 0.5 * (low + high))
-
-
-def crossover_parameter(mode: int = 1) -> float:
-    """Return the lambda^2 at which symmetric mode ``mode`` has the frequency of the antisymmetric: (2 pi mode)^2.
-
-    Above it the first symmetric mode is the higher one of the two and has two nodes inside the span. `ValueError`
-    for modes below 1. Irvine and Caughey 1974.
-    """
-    if mode < 1:
-        raise ValueError(f"mode must be at least 1, not {mode}")
-    return float((2.0 * np.pi * mode) ** 2)
-
-
-def mode_shape(
-    x: ArrayLike, *, mode: int, kind: ModeKind, span: float, lambda_squared: float | None = None
-) -> FloatArray:
-    """Return a mode's displacement across the chord, largest magnitude 1, shape of ``x``.
-
-    ``x`` in m along the chord, 0..``span``; ``mode`` counts from 1 within its ``kind``; ``lambda_squared`` >= 0 for
-    symmetric modes. `ValueError` out of range. Sines, with 2 ``mode`` or ``mode`` half waves; symmetric ``cos(X) -
-    cos(X (1 - 2 x/span))`` with X of `symmetric_roots`, positive at mid-span of the first mode at lambda^2 = 0.
-    """
-    _arguments.positive(span=span)
-    (x,) = _arguments.within(0.0, span, x=x)
-    if mode < 1:
-        raise ValueError(f"mode must be at least 1, not {mode}")
-    if kind == "out_of_plane":
-        return np.sin(mode * np.pi * x / span)
-    if kind == "antisymmetric":
-        return np.sin(2.0 * mode * np.pi * x / span)
-    if kind != "symmetric":
-        raise ValueError(f"kind must be 'symmetric', 'antisymmetric' or 'out_of_plane', not {kind!r}")
-    if lambda_squared is None:
-        raise ValueError("lambda_squared must be given for a symmetric mode")
-    root = float(symmetric_roots(lambda_squared, modes=mode)[-1])
-    edge = np.cos(root)
-    largest = max(1.0 - edge, 1.0 + edge if root >= np.pi else 0.0)
-    side = 1.0 if mode % 2 == 1 else -1.0
-    return np.asarray(side * (np.cos(root * (1.0 - 2.0 * x / span)) - edge) / largest)
 
 
 def _tension(

@@ -1,10 +1,10 @@
 """Infinite string or beam on an elastic, viscous bed under a load that moves with constant speed.
 
-``EI w'''' - T w'' + k w + c w_t + m w_tt = force * exp(i Omega t) delta(x - V t)`` (Winkler bed, with viscous terms
-Kelvin-Voigt). In the frame of the load, ``w = W(xi) exp(i Omega t)`` with xi = x - V t, counted ahead of the load,
-W is a sum of exponentials exp(r xi) over the roots of
+``EI w'''' - T w'' + k w + c w_t + m w_tt = force delta(x - V t)`` (Winkler bed, with viscous terms
+Kelvin-Voigt). In the frame of the load, with xi = x - V t counted ahead of the load, w is a sum of exponentials
+exp(r xi) over the roots of
 
-    D(r) = EI r^4 - T r^2 + m (i Omega - V r)^2 + c (i Omega - V r) + k,
+    D(r) = EI r^4 - (T - m V^2) r^2 - c V r + k,
 
 those with Re r < 0 ahead of the load, the others behind it (derived here; Fryba, Vibration of Solids and Structures
 under Moving Loads, for the constant force). Without damping a root on the imaginary axis, a wave, stands on the side
@@ -23,10 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from ropewalk.theory import _arguments
 
 __all__ = [
-    "critical_frequency",
     "critical_speed",
-    "drive_force",
-    "harmonic_state",
     "several_loads",
     "steady_state",
 ]
@@ -46,36 +43,6 @@ def critical_speed(*, bending_stiffness: float, foundation: float, mass: float, 
     """
     _line(bending_stiffness, foundation, mass, tension, 0.0)
     return float(np.sqrt((tension + 2.0 * np.sqrt(foundation * bending_stiffness)) / mass))
-
-
-def critical_frequency(
-    *, speed: float, bending_stiffness: float, foundation: float, mass: float, tension: float = 0.0
-) -> float:
-    """Return the lowest circular frequency at which a moving harmonic load resonates, in rad/s.
-
-    ``0 <= speed < critical_speed`` in m/s, else `ValueError`; ``tension`` not negative; other arguments as in
-    `critical_speed`. The least ``omega(q) - q V`` over all waves, with equal group velocity and speed; for the string
-    ``sqrt(k/m) sqrt(1 - (V/c)^2)``.
-    """
-    _arguments.not_negative(speed=speed, tension=tension)
-    limit = critical_speed(bending_stiffness=bending_stiffness, foundation=foundation, mass=mass, tension=tension)
-    if not speed < limit:
-        raise ValueError(f"speed must be below the critical speed {limit:.6g} m/s, not {speed}")
-    if bending_stiffness == 0.0:
-        return float(np.sqrt(foundation / mass * (1.0 - (speed / limit) ** 2)))
-
-    def frequency(q: float) -> float:
-        return float(np.sqrt((bending_stiffness * q**4 + tension * q**2 + foundation) / mass))
-
-    # The group velocity rises with q (frequency is convex for tension >= 0) beyond that of sqrt(EI/m) q^2.
-    low, high = 0.0, speed * np.sqrt(mass / bending_stiffness) + (foundation / bending_stiffness) ** 0.25
-    while _group_velocity(high, frequency(high), bending_stiffness, tension, mass) < speed:
-        high *= 2.0
-    for _ in range(100):
-        middle = 0.5 * (low + high)
-        slow = _group_velocity(middle, frequency(middle), bending_stiffness, tension, mass) < speed
-        low, high = (middle, high) if slow else (low, middle)
-    return frequency(low) - low * speed
 
 
 def steady_state(
@@ -101,30 +68,7 @@ def steady_state(
     Undamped below the critical speed, with ``a^2, b^2 = sqrt(k/(4 EI)) +- (T - m V^2)/(4 EI)``:
     ``w = F exp(-a |x|) (cos b x + a sin(b |x|)/b)/(4 EI a (a^2 + b^2))``. Formula in general: head of this module.
     """
-    return _moving(x, force, speed, 0.0, bending_stiffness, foundation, mass, tension, damping, derivative).real
-
-
-def harmonic_state(
-    x: ArrayLike,
-    *,
-    force: complex,
-    frequency: float,
-    speed: float,
-    bending_stiffness: float,
-    foundation: float,
-    mass: float,
-    tension: float = 0.0,
-    damping: float = 0.0,
-    derivative: int = 0,
-) -> ComplexArray:
-    """Return the complex amplitude W of the deflection ``Re[W exp(i frequency t)]`` that travels with a load, in m.
-
-    The load is ``Re[force exp(i frequency t)]``, ``force`` (N) possibly complex, ``frequency`` the circular one in
-    rad/s, not negative. Other arguments and errors as in `steady_state`; without damping the critical frequency of
-    the speed is an error.
-    """
-    _arguments.not_negative(frequency=frequency)
-    return _moving(x, force, speed, frequency, bending_stiffness, foundation, mass, tension, damping, derivative)
+    return _moving(x, force, speed, bending_stiffness, foundation, mass, tension, damping, derivative).real
 
 
 def several_loads(
@@ -149,42 +93,7 @@ def several_loads(
         raise ValueError("forces and places must be lists of one length")
     x = np.asarray(x, dtype=np.float64)[..., np.newaxis] - places
     line = (bending_stiffness, foundation, mass, tension, damping)
-    return np.asarray(_moving(x, 1.0, speed, 0.0, *line, 0).real @ forces)
-
-
-def drive_force(
-    *,
-    force: float,
-    speed: float,
-    bending_stiffness: float,
-    foundation: float,
-    mass: float,
-    tension: float = 0.0,
-    damping: float = 0.0,
-) -> float:
-    """Return the force along the line that keeps a constant load moving, in N.
-
-    Arguments and errors as in `steady_state`. ``-force`` times the mean slope at the load; times the speed it is what
-    the damping dissipates and the waves carry away. Zero below the critical speed without damping.
-    """
-    if bending_stiffness == 0.0 and _pull(tension, mass, speed) == 0.0:
-        raise ValueError("speed is the wave speed of the string, where the drive force is infinite")
-    slope = steady_state(
-        0.0,
-        force=force,
-        speed=speed,
-        bending_stiffness=bending_stiffness,
-        foundation=foundation,
-        mass=mass,
-        tension=tension,
-        damping=damping,
-        derivative=1,
-    )
-    return float(-force * slope)
-
-
-def _group_velocity(q: float, frequency: float, stiffness: float, tension: float, mass: float) -> float:
-    return float((2.0 * stiffness * q**3 + tension * q) / (mass * frequency))
+    return np.asarray(_moving(x, 1.0, speed, *line, 0).real @ forces)
 
 
 def _line(bending_stiffness: float, foundation: float, mass: float, tension: float, damping: float) -> None:
@@ -200,9 +109,8 @@ def _line(bending_stiffness: float, foundation: float, mass: float, tension: flo
 
 def _moving(
     x: ArrayLike,
-    force: complex,
+    force: float,
     speed: float,
-    frequency: float,
     bending_stiffness: float,
     foundation: float,
     mass: float,
@@ -221,11 +129,8 @@ def _moving(
     polynomial = _Polynomial(
         stiffness=bending_stiffness / unit**4,
         pull=_pull(tension, mass, speed) / unit**2,
-        mass=mass,
         foundation=foundation,
-        damping=damping,
-        speed=speed / unit,
-        frequency=frequency,
+        drag=damping * speed / unit,
     )
     return force / unit ** (1 + derivative) * polynomial.response(np.asarray(x, dtype=np.float64) / unit, derivative)
 
@@ -238,15 +143,12 @@ def _pull(tension: float, mass: float, speed: float) -> float:
 
 @dataclass(frozen=True)
 class _Polynomial:
-    """D(r) = stiffness r^4 - pull r^2 + mass (-Omega^2 - 2 i Omega V r) + damping (i Omega - V r) + foundation."""
+    """D(r) = stiffness r^4 - pull r^2 - drag r + foundation."""
 
     stiffness: float
     pull: float
-    mass: float
     foundation: float
-    damping: float
-    speed: float
-    frequency: float
+    drag: float
 
     def response(self, xi: FloatArray, derivative: int) -> ComplexArray:
         """Solution of D(d/dxi) W = delta(xi) that stays bounded, or one of its derivatives."""
@@ -261,27 +163,24 @@ class _Polynomial:
             value[at] = both / lead * (1.0 if len(ahead) + len(behind) == 1 else 0.5)
         return value
 
-    def _sides(self) -> tuple[complex, ComplexArray, ComplexArray]:
+    def _sides(self) -> tuple[float, ComplexArray, ComplexArray]:
         """Leading coefficient, roots ahead, roots behind."""
-        gyration = 2.0 * self.mass * self.speed * self.frequency
-        spring = self.foundation - self.mass * self.frequency**2
-        # With r = i q the undamped coefficients are real, so that waves (q real) are told from decay without doubt.
-        real = np.trim_zeros(np.array([self.stiffness, 0.0, self.pull, gyration, spring]), "f")
-        drag, loss = self.damping * self.speed, self.damping * self.frequency
-        if drag == 0.0 and loss == 0.0:
-            q = _roots_of_squares(real) if gyration == 0.0 else _all_roots(real)
+        # With r = i q the undamped coefficients are real, so that waves (q real) are exactly distinguished from decay.
+        whole = np.array([self.stiffness, 0.0, self.pull, 0.0, self.foundation])
+        real = np.trim_zeros(whole, "f")
+        if self.drag == 0.0:
+            q = _roots_of_squares(real)
             self._refuse_critical(q)
             wave = q.imag == 0.0
         else:
-            losses = np.array([0.0, 0.0, 0.0, -1j * drag, 1j * loss])
-            q = _all_roots(np.trim_zeros(np.array([self.stiffness, 0.0, self.pull, gyration, spring]) + losses, "f"))
+            damped = np.trim_zeros(whole + np.array([0.0, 0.0, 0.0, -1j * self.drag, 0.0]), "f")
+            q = np.roots(damped).astype(np.complex128)
             wave = np.abs(q.imag) < 1e-12 * np.abs(q)  # damping too small to be seen in the roots
-        slope = np.polyval(np.polyder(real), q).real
-        outgoing = (self.frequency - self.speed * q.real) * slope < 0.0  # radiation: where damping would move it
+        outgoing = q.real * np.polyval(np.polyder(real), q).real > 0.0  # radiation: where damping would move it
         ahead = np.where(wave, outgoing, q.imag > 0.0)
         r = 1j * q
         degree = len(q)
-        lead = {4: self.stiffness, 2: -self.pull, 1: -drag - 1j * gyration}[degree]
+        lead = {4: self.stiffness, 2: -self.pull, 1: -self.drag}[degree]
         return lead, r[ahead], r[~ahead]
 
     def _refuse_critical(self, q: ComplexArray) -> None:
@@ -291,13 +190,8 @@ class _Polynomial:
         gaps = np.abs(q[:, np.newaxis] - q) + np.diag(np.full(len(q), np.inf))
         if len(q) == 0 or np.any(facing & (np.min(gaps, axis=1, initial=np.inf) < 2.0 * CLOSE * size)):
             raise ValueError(
-                "without damping there is no steady state at exactly the critical speed or frequency; change the speed "
-                "or the frequency, or give damping"
+                "without damping there is no steady state at exactly the critical speed; change it, or give damping"
             )
-
-
-def _all_roots(coefficients: NDArray[np.number]) -> ComplexArray:
-    return np.roots(coefficients).astype(np.complex128)
 
 
 def _roots_of_squares(real: FloatArray) -> ComplexArray:

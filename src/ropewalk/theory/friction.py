@@ -18,11 +18,7 @@ from ropewalk.theory import _arguments
 
 __all__ = [
     "capstan_coefficient",
-    "capstan_stick_range",
-    "capstan_suffices",
     "point_block_coefficient",
-    "point_block_stick_range",
-    "point_block_suffices",
     "turning_angle",
 ]
 
@@ -67,54 +63,9 @@ def point_block_coefficient(*, tension_behind: ArrayLike, tension_ahead: ArrayLi
     return np.where(behind == ahead, 0.0, needed)
 
 
-def capstan_stick_range(*, coefficient: ArrayLike, angle: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Return the smallest and the largest ``T_ahead/T_behind`` that sticks, ``exp(-mu angle)`` and ``exp(mu angle)``.
-
-    ``coefficient`` >= 0, ``angle`` >= 0 in rad, arrays broadcast. `ValueError` for arguments out of range.
-    """
-    coefficient, angle = _coefficient_and_angle(coefficient, angle, np.inf)
-    with np.errstate(over="ignore"):
-        return np.exp(-coefficient * angle), np.exp(coefficient * angle)
-
-
-def point_block_stick_range(*, coefficient: ArrayLike, angle: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Return the smallest and the largest ``T_ahead/T_behind`` that sticks, ``(1 - m)/(1 + m)`` and its inverse.
-
-    ``m = mu tan(angle/2)``; from m = 1 on the block sticks whatever the tensions, from 0 to infinity. Arguments
-    as in `capstan_stick_range`, ``angle`` at most pi.
-    """
-    coefficient, angle = _coefficient_and_angle(coefficient, angle, np.pi)
-    friction_limit = np.minimum(coefficient * np.tan(0.5 * angle), 1.0)
-    with np.errstate(divide="ignore"):
-        return (1.0 - friction_limit) / (1.0 + friction_limit), (1.0 + friction_limit) / (1.0 - friction_limit)
-
-
-def capstan_suffices(
-    *, coefficient: ArrayLike, tension_behind: ArrayLike, tension_ahead: ArrayLike, angle: ArrayLike
-) -> NDArray[np.bool_]:
-    """Return whether a wrapped rope with this coefficient of friction stands still."""
-    (coefficient,) = _arguments.within(0.0, np.inf, coefficient=coefficient)
-    needed = capstan_coefficient(tension_behind=tension_behind, tension_ahead=tension_ahead, angle=angle)
-    return np.asarray(coefficient >= needed)
-
-
-def point_block_suffices(
-    *, coefficient: ArrayLike, tension_behind: ArrayLike, tension_ahead: ArrayLike, angle: ArrayLike
-) -> NDArray[np.bool_]:
-    """Return whether a point block with this coefficient of friction stands still."""
-    (coefficient,) = _arguments.within(0.0, np.inf, coefficient=coefficient)
-    needed = point_block_coefficient(tension_behind=tension_behind, tension_ahead=tension_ahead, angle=angle)
-    return np.asarray(coefficient >= needed)
-
-
 def _sides(
     tension_behind: ArrayLike, tension_ahead: ArrayLike, angle: ArrayLike, largest: float
 ) -> tuple[FloatArray, ...]:
     _arguments.finite(tension_behind=tension_behind, tension_ahead=tension_ahead, angle=angle)
     tensions = _arguments.within(0.0, np.inf, tension_behind=tension_behind, tension_ahead=tension_ahead)
     return *tensions, *_arguments.within(0.0, largest, angle=angle)
-
-
-def _coefficient_and_angle(coefficient: ArrayLike, angle: ArrayLike, largest: float) -> tuple[FloatArray, ...]:
-    _arguments.finite(coefficient=coefficient, angle=angle)
-    return *_arguments.within(0.0, np.inf, coefficient=coefficient), *_arguments.within(0.0, largest, angle=angle)

@@ -1,85 +1,26 @@
 """People who balance to the side on a deck that sways: the gait, and how it feeds or damps the sway.
 
-The body is the inverted pendulum of `gait.lateral_walk`, ``y'' = Omega^2 (y - u)``, ``Omega = sqrt(gravity/
+The body is an inverted pendulum, ``y'' = Omega^2 (y - u)``, ``Omega = sqrt(gravity/
 leg_length)``, whose foot u moves with the deck. Every step time T a foot is placed at ``u = y + v/Omega`` and further
 out by the margin b, where v is the velocity seen from the deck: on a deck in uniform motion one walks as on still
 ground. The force on the deck is ``-m y''``. All is linear, so that what the steps do on still ground and what the sway
 adds are independent of each other (Hof, Hum. Mov. Sci. 27, 2008; Macdonald, Proc. R. Soc. A 465, 2009).
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ropewalk.theory import _arguments
-from ropewalk.theory.gait import step_width
 
 __all__ = [
-    "DeckWalk",
-    "body_sway",
     "critical_number",
-    "deck_walk",
-    "force_harmonics",
-    "peak_force",
     "self_excited_force",
     "sway_growth",
 ]
 
 FloatArray = NDArray[np.float64]
-
-
-def body_sway(*, margin: ArrayLike, step_time: ArrayLike, leg_length: ArrayLike, gravity: float = 9.81) -> FloatArray:
-    """Return how far the body swings to either side of its path in steady walking on still ground, in m.
-
-    Arguments and errors as in `gait.step_width`; they broadcast. ``width/2 - b exp(Omega T/2) = b/2 (exp(Omega T/2) -
-    1)^2``, in the middle of each step: half the width of the steps less the least distance from the foot.
-    """
-    width = step_width(margin=margin, step_time=step_time, leg_length=leg_length, gravity=gravity)
-    return np.asarray(0.5 * width - _nearest(margin, step_time, leg_length, gravity))
-
-
-def peak_force(
-    *, mass: float, margin: ArrayLike, step_time: ArrayLike, leg_length: ArrayLike, gravity: float = 9.81
-) -> FloatArray:
-    """Return the largest force to the side in steady walking on still ground, in N, when a foot has just been placed.
-
-    ``mass`` in kg; the rest as in `gait.step_width`, they broadcast. `ValueError` out of range. ``m Omega^2 width/2``,
-    outwards.
-    """
-    _arguments.positive(mass=mass)
-    width = step_width(margin=margin, step_time=step_time, leg_length=leg_length, gravity=gravity)
-    return np.asarray(0.5 * mass * gravity / np.asarray(leg_length) * width)
-
-
-def force_harmonics(
-    count: int, *, mass: float, margin: float, step_time: float, leg_length: float, gravity: float = 9.81
-) -> FloatArray:
-    """Return the amplitudes of the force on still ground at 1/(2T), 3/(2T), ... (the first ``count``), in N.
-
-    Args:
-        count: 1 or more.
-        mass: kg.
-        margin, step_time, leg_length, gravity: as in `gait.step_width`.
-
-    Returns:
-        (count,): ``F(t) = sum_j F_j sin((2 j - 1) pi t/T)`` from the moment in which a foot is placed on the side to
-        which F counts; nothing at even multiples, as left and right steps mirror each other.
-
-    Raises:
-        ValueError: an argument out of range.
-
-    With ``w = (2 j - 1) pi/T`` a force that is ``m Omega^2`` times the distance from foot to body, and minus m times
-    the body's acceleration, has ``F_j = 2 m width Omega^2 w / (T (Omega^2 + w^2))``.
-    """
-    if count < 1:
-        raise ValueError(f"count must be 1 or more, not {count}")
-    _arguments.positive(mass=mass, margin=margin, step_time=step_time, leg_length=leg_length, gravity=gravity)
-    width = float(step_width(margin=margin, step_time=step_time, leg_length=leg_length, gravity=gravity))
-    w, square = (2.0 * np.arange(count) + 1.0) * np.pi / step_time, gravity / leg_length
-    return np.asarray(2.0 * mass * width * square * w / (step_time * (square + w**2)))
 
 
 def self_excited_force(
@@ -198,99 +139,4 @@ def _answer(w: Any, mass: Any, step_time: Any, rate: Any) -> Any:
     whole, grown = rate**2 + w**2, np.exp(rate * step_time - 1j * w * step_time)
     return (
         mass * (w * rate) ** 2 / whole * (1.0 - 1j * w * (grown - 1.0) * (rate + 1j * w) / (step_time * rate * whole))
-    )
-
-
-@dataclass(frozen=True)
-class DeckWalk:
-    """A walk on a deck that moves: ``position`` (m), ``velocity`` (m/s) and ``force`` on the deck (N) over the times.
-
-    All to the side and from the ground. ``feet`` (step,): where they stand on the deck, m from its middle.
-    """
-
-    position: FloatArray
-    velocity: FloatArray
-    force: FloatArray
-    feet: FloatArray
-
-
-def deck_walk(
-    t: ArrayLike,
-    deck: Callable[[FloatArray], tuple[FloatArray, FloatArray]],
-    *,
-    mass: float,
-    margin: float,
-    leg_length: float,
-    landings: ArrayLike,
-    position: float,
-    velocity: float,
-    gravity: float = 9.81,
-    side: Literal[1, -1] = 1,
-) -> DeckWalk:
-    """Return the walk on a deck that moves as it likes, step by step, by quadrature.
-
-    Args:
-        t: s, not before the first landing, any shape.
-        deck: place and velocity (m, m/s) of the deck at times (s).
-        mass: kg.
-        margin, leg_length, gravity: as in `gait.step_width`.
-        landings: instants at which feet are placed, rising, s.
-        position, velocity: of the body at the first landing, from the ground, m and m/s.
-        side: of the first foot.
-
-    Raises:
-        ValueError: an argument out of range.
-
-    Over a step ``y = x_0 + u + A cosh + B sinh - Omega int sinh(Omega (t - s)) (x(s) - x_0) ds``, the integral by
-    Gauss-Legendre of 12 points: exact to rounding for a deck that sways less than once in a step.
-    """
-    _arguments.positive(mass=mass, margin=margin, leg_length=leg_length, gravity=gravity)
-    _arguments.finite(t=t, landings=landings, position=position, velocity=velocity)
-    t, landings = np.asarray(t, dtype=np.float64), np.asarray(landings, dtype=np.float64)
-    if landings.ndim != 1 or not landings.size or np.any(np.diff(landings) <= 0.0):
-        raise ValueError("landings must rise, one at least")
-    if np.any(t < landings[0]):
-        raise ValueError("t must not lie before the first of landings")
-    rate = float(np.sqrt(gravity / leg_length))
-    number = np.searchsorted(landings, t, side="right") - 1
-    y, v, force, feet = np.empty_like(t), np.empty_like(t), np.empty_like(t), np.empty(landings.size)
-    for n, begin in enumerate(landings):
-        x, speed = (float(np.asarray(value)[0]) for value in deck(np.array([begin])))
-        feet[n] = position - x + (velocity - speed) / rate + side * (-1) ** n * margin
-        here = number == n
-        y[here], v[here] = _over_step(t[here] - begin, begin, deck, rate, feet[n], position, velocity)
-        force[here] = mass * rate**2 * (deck(t[here])[0] + feet[n] - y[here])
-        if n + 1 < landings.size:
-            after = np.array([landings[n + 1] - begin])
-            position, velocity = (
-                float(value[0]) for value in _over_step(after, begin, deck, rate, feet[n], position, velocity)
-            )
-    return DeckWalk(y, v, force, feet)
-
-
-def _over_step(
-    since: FloatArray,
-    begin: float,
-    deck: Callable[[FloatArray], tuple[FloatArray, FloatArray]],
-    rate: float,
-    foot: float,
-    position: float,
-    velocity: float,
-) -> tuple[FloatArray, FloatArray]:
-    """Position and velocity of the body some time after a foot was placed."""
-    nodes, weights = np.polynomial.legendre.leggauss(12)
-    still = float(np.asarray(deck(np.array([begin]))[0])[0]) + foot
-    at = 0.5 * since[:, None] * (1.0 + nodes)
-    moved = 0.5 * since[:, None] * weights * (deck(begin + at)[0] + foot - still)
-    left = rate * (since[:, None] - at)
-    away, c, s = position - still, np.cosh(rate * since), np.sinh(rate * since)
-    y = still + away * c + velocity / rate * s - rate * (np.sinh(left) * moved).sum(axis=1)
-    v = away * rate * s + velocity * c - rate**2 * (np.cosh(left) * moved).sum(axis=1)
-    return np.asarray(y), np.asarray(v)
-
-
-def _nearest(margin: ArrayLike, step_time: ArrayLike, leg_length: ArrayLike, gravity: float) -> FloatArray:
-    """Least distance of the body from the foot that bears, m."""
-    return np.asarray(
-        np.asarray(margin) * np.exp(0.5 * np.sqrt(gravity / np.asarray(leg_length)) * np.asarray(step_time))
     )

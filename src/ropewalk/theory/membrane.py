@@ -1,11 +1,11 @@
-"""Pre-stressed membranes and nets with a fixed rim, small deflections: rectangle, circle and square mesh.
+"""Pre-stressed membranes and nets with a fixed rim, small deflections: rectangle and square mesh.
 
 ``mass w_tt = N_x w_xx + N_y w_yy + q`` with the tension per width N, in N/m, the same everywhere and in one direction
 another than in the other if two are given, and the mass per area in kg/m^2. A net of taut strings obeys it in the mean,
 with N the tension of a string by the distance to the next; its exact answers are here, too. Under a point load the
 deflection of a membrane grows without bound as ``-F ln(distance) / (2 pi sqrt(N_x N_y))``: a net yields to a force as
 much as a membrane to one on a patch of about the size of a cell. Rectangles are 0..a by 0..b. Rayleigh, The Theory of
-Sound I, ch. 9; sums and images derived here.
+Sound I, ch. 9; sums derived here.
 """
 
 import numpy as np
@@ -14,24 +14,12 @@ from numpy.typing import ArrayLike, NDArray
 from ropewalk.theory import _arguments
 
 __all__ = [
-    "circle_frequencies",
-    "circle_patch_load",
-    "circle_point_load",
-    "circle_ring_load",
-    "moving_force",
-    "moving_force_mode",
     "net_deflection",
-    "net_frequencies",
-    "patch_load_mean",
-    "point_load",
     "rectangle_frequency",
 ]
 
 FloatArray = NDArray[np.float64]
 Pair = tuple[float, float]
-
-_IMAGES = 6  # on each side: the next is below exp(-13 pi) of the first
-_PATCH_ERROR = 1e-12  # relative, of `patch_load_mean`
 
 
 def rectangle_frequency(m: ArrayLike, n: ArrayLike, *, sides: Pair, tension: float | Pair, mass: float) -> FloatArray:
@@ -47,196 +35,6 @@ def rectangle_frequency(m: ArrayLike, n: ArrayLike, *, sides: Pair, tension: flo
     if not (np.all(m >= 1) and np.all(n >= 1)):
         raise ValueError("m and n must be at least 1")
     return np.asarray(np.pi * np.sqrt((nx * (m / a) ** 2 + ny * (n / b) ** 2) / mass))
-
-
-def point_load(x: ArrayLike, y: ArrayLike, *, at: Pair, force: float, sides: Pair, tension: float | Pair) -> FloatArray:
-    """Return the static deflection of a rectangle under a point load, in m; infinite at the load itself.
-
-    Args:
-        x: m, within 0..a; broadcasts with ``y``, within 0..b.
-        y: see ``x``.
-        at: place of the load, m, inside.
-        force: N.
-        sides: (a, b), m.
-        tension: N/m, one or (N_x, N_y).
-
-    Returns:
-        The deflection in the direction of the force, exact to round-off everywhere.
-
-    Raises:
-        ValueError: an argument out of range.
-
-    The sine series along one side, whose terms are products of sinh along the other, is the sum over images of
-    logarithms: ``F/(4 pi sqrt(N_x N_y)) sum_k (L(y - y_0 - 2 k b) - L(y + y_0 - 2 k b))``, ``L(d) = ln(1 + sin(pi x/a)
-    sin(pi x_0/a) / (sinh^2(pi d'/2a) + sin^2(pi (x - x_0)/2a)))``, ``d' = d sqrt(N_x/N_y)``. The images stand along the
-    side on which they lie further apart. Derived here.
-    """
-    (a, b), (nx, ny) = _rectangle(sides, tension)
-    x0, y0 = _inside(at, (a, b))
-    (x,), (y,) = _arguments.within(0.0, a, x=x), _arguments.within(0.0, b, y=y)
-    _arguments.finite(force=force)
-    ratio = np.sqrt(nx / ny)
-    if b * ratio < a:
-        a, b, x, y, x0, y0, ratio = b, a, y, x, y0, x0, 1.0 / ratio
-    product = np.sin(np.pi * x / a) * np.sin(np.pi * x0 / a)
-    across = np.sin(0.5 * np.pi * (x - x0) / a) ** 2
-
-    def logarithm(distance: FloatArray) -> FloatArray:
-        along = np.sinh(np.minimum(0.5 * np.pi * ratio * np.abs(distance) / a, 300.0)) ** 2
-        with np.errstate(divide="ignore"):
-            return np.asarray(np.log1p(product / (along + across)))
-
-    images = 2.0 * b * np.arange(-_IMAGES, _IMAGES + 1)
-    total = sum(logarithm(y - y0 - shift) - logarithm(y + y0 - shift) for shift in images)
-    return np.asarray(force / (4.0 * np.pi * np.sqrt(nx * ny)) * total)
-
-
-def patch_load_mean(*, at: Pair, patch: Pair, force: float, sides: Pair, tension: float | Pair) -> float:
-    """Return the mean deflection of a rectangular patch under a load that is uniform on it, in m.
-
-    Args:
-        at: middle of the patch, m.
-        patch: its sides (p, q) along x and y, m, at least 1e-3 of those of the rectangle; it lies inside.
-        force: the whole load, N.
-        sides: (a, b), m.
-        tension: N/m, one or (N_x, N_y).
-
-    Raises:
-        ValueError: an argument out of range.
-
-    Half the force times it is the energy. ``2F/(a N_y) sum_m s_m^2 g_m``, ``s_m`` the mean of ``sin(m pi x/a)`` over p,
-    ``g_m`` the mean over q of ``sinh(k y_<) sinh(k (b - y_>))/(k sinh(k b))``, ``k = m pi/a sqrt(N_x/N_y)``, in closed
-    form; terms fall off as 1/m^4, and as many are summed as leave an error of 1e-12 of the sum. Derived here.
-    """
-    (a, b), (nx, ny) = _rectangle(sides, tension)
-    (x0, y0), (p, q) = _inside(at, (a, b)), patch
-    _arguments.positive(patch_along_x=p, patch_along_y=q)
-    _arguments.finite(force=force)
-    roundings = 1e-12
-    if max(0.5 * p - x0, x0 + 0.5 * p - a) > roundings * a or max(0.5 * q - y0, y0 + 0.5 * q - b) > roundings * b:
-        raise ValueError(f"the patch must lie inside the rectangle of {a:g} m x {b:g} m")
-    if p < 1e-3 * a or q < 1e-3 * b:
-        raise ValueError(f"the sides of the patch must be at least 1e-3 of those of the rectangle, not {patch}")
-    ratio = np.sqrt(nx / ny)
-    if b * ratio < a:  # terms with e^(-k b) then cancel least
-        a, b, x0, y0, p, q, nx, ny, ratio = b, a, y0, x0, q, p, ny, nx, 1.0 / ratio
-    terms = int((0.04 * a**3 / (q * ratio * p**2) / _PATCH_ERROR) ** (1 / 3)) + 10  # 3.5 million at most
-    low, high = max(y0 - 0.5 * q, 0.0), min(y0 + 0.5 * q, b)
-    total = 0.0
-    for first in range(1, terms + 1, 100_000):
-        m = np.arange(first, min(first + 100_000, terms + 1))
-        k = m * (np.pi / a) * ratio
-        share = np.sin(np.pi * m * x0 / a) * np.sinc(0.5 * m * p / a)
-        total += float(np.sum(share**2 * _mean_green(k, low, high, b)))
-    return 2.0 * force / (a * ny) * total
-
-
-def _mean_green(k: FloatArray, low: float, high: float, b: float) -> FloatArray:
-    """Mean of ``sinh(k y_<) sinh(k (b - y_>))/(k sinh(k b))`` for both arguments within low..high."""
-    q = high - low
-    x = k * q
-    near = 2.0 * (x + np.expm1(-x))
-    far = 2.0 * (np.exp(x - 2.0 * k * b) - (1.0 + x) * np.exp(-2.0 * k * b))
-    at_zero, at_b = (np.exp(-k * d) * np.expm1(-x) for d in (low, b - high))
-    return np.asarray((near + far - at_zero**2 - at_b**2) / (-2.0 * k * x**2 * np.expm1(-2.0 * k * b)))
-
-
-def moving_force_mode(
-    m: ArrayLike,
-    n: ArrayLike,
-    t: ArrayLike,
-    *,
-    force: float,
-    speed: float,
-    track: float,
-    sides: Pair,
-    tension: float | Pair,
-    mass: float,
-) -> FloatArray:
-    """Return the amplitude of mode (m, n) of a rectangle under a moving force, in m.
-
-    ``m``, ``n`` and ``t`` broadcast; the rest as in `moving_force`. ``q'' + w^2 q = 4 F/(a b mass) sin(n pi y_0/b)
-    sin(W t)`` with ``W = m pi V/a`` from rest, until a/V; then free. ``q`` is the constant times ``(sin(W t) - W/w
-    sin(w t))/(w^2 - W^2)``, written with ``(w + W)/2`` and ``(w - W)/2`` so that nothing cancels at resonance.
-    """
-    w = rectangle_frequency(m, n, sides=sides, tension=tension, mass=mass)
-    (a, b), _ = _rectangle(sides, tension)
-    _arguments.positive(speed=speed)
-    _arguments.within(0.0, b, track=track)
-    _arguments.finite(force=force, t=t)
-    m, n, t = (np.asarray(value, dtype=np.float64) for value in (m, n, t))
-    drive = m * np.pi * speed / a
-    scale = 4.0 * force / (a * b * mass) * np.sin(n * np.pi * track / b)
-    until = np.clip(t, 0.0, a / speed)
-    s, d = 0.5 * (w + drive) * until, 0.5 * (w - drive) * until
-    slow = np.sinc(d / np.pi)
-    amplitude = until / (w + drive) * np.sin(s) * slow
-    place = (np.sin(s) * np.cos(d) / (0.5 * (w + drive)) - until * np.cos(s) * slow) / (2.0 * w)
-    after = np.maximum(t - a / speed, 0.0)
-    rate = drive * amplitude
-    return np.asarray(scale * (place * np.cos(w * after) + rate / w * np.sin(w * after)))
-
-
-def moving_force(
-    x: ArrayLike,
-    y: ArrayLike,
-    t: ArrayLike,
-    *,
-    force: float,
-    speed: float,
-    track: float,
-    sides: Pair,
-    tension: float | Pair,
-    mass: float,
-    modes: tuple[int, int] = (100, 100),
-) -> FloatArray:
-    """Return the deflection of a rectangle under a force that crosses it along x with constant speed, in m.
-
-    Args:
-        x: m, within 0..a; broadcasts with ``y`` (m, within 0..b) and ``t`` (s; at rest before 0).
-        y: see ``x``.
-        t: see ``x``; after a/speed the load is gone and the membrane vibrates freely.
-        force: N.
-        speed: m/s, positive; below, at or above the speed of waves.
-        track: y of the path, m.
-        sides: (a, b), m.
-        tension: N/m, one or (N_x, N_y).
-        mass: kg/m^2.
-        modes: numbers of half waves along x and y.
-
-    Raises:
-        ValueError: an argument out of range.
-
-    Sum of the modes, each in closed form, without damping: Fryba, Vibration of Solids and Structures under Moving
-    Loads, for the plate, here with the membrane's frequencies. Terms fall off as 1/(m^2 + n^2), and the sum is infinite
-    at the load: with N modes it is that of a patch of about a/N.
-    """
-    (a, b), _ = _rectangle(sides, tension)
-    (x,), (y,) = _arguments.within(0.0, a, x=x), _arguments.within(0.0, b, y=y)
-    if min(modes) < 1:
-        raise ValueError(f"modes must be at least 1 each way, not {modes}")
-    x, y, t = np.broadcast_arrays(x, y, np.asarray(t, dtype=np.float64))
-    n = np.arange(1, modes[1] + 1)
-    across = np.sin(np.pi * y[..., np.newaxis] * n / b)
-    total = np.zeros(x.shape)
-    for m in range(1, modes[0] + 1):
-        amplitudes = moving_force_mode(
-            m, n, t[..., np.newaxis], force=force, speed=speed, track=track, sides=sides, tension=tension, mass=mass
-        )
-        total += np.sin(np.pi * m * x / a) * np.sum(amplitudes * across, axis=-1)
-    return total
-
-
-def net_frequencies(*, cells: tuple[int, int], spacing: Pair, tension: float | Pair, mass: float) -> FloatArray:
-    """Return the natural angular frequencies of a rectangular net across itself, in rad/s, (cells_x - 1, cells_y - 1).
-
-    ``cells`` along x and y; ``spacing`` (h_x, h_y) of the nodes in m; ``tension`` of a string in N, one for both
-    families or (T_x, T_y); ``mass`` of a node in kg, its strings have none. `ValueError` out of range. Entry (i - 1,
-    j - 1): ``w^2 = 4/mass (T_x/h_x sin^2(i pi/(2 cells_x)) + T_y/h_y sin^2(j pi/(2 cells_y)))``, exact.
-    """
-    squares = _net_squares(cells, spacing, tension)
-    _arguments.positive(mass=mass)
-    return np.asarray(np.sqrt(squares / mass))
 
 
 def net_deflection(
@@ -272,74 +70,6 @@ def _net_squares(cells: tuple[int, int], spacing: Pair, tension: float | Pair) -
     return np.asarray(one[:, np.newaxis] + two)
 
 
-def circle_frequencies(*, radius: float, tension: float, mass: float, diameters: int = 0, count: int = 1) -> FloatArray:
-    """Return the lowest ``count`` natural angular frequencies of a circle with ``diameters`` nodal lines, in rad/s.
-
-    ``radius`` in m, ``tension`` in N/m, ``mass`` in kg/m^2. With nodal diameters each stands for two modes.
-    `ValueError` out of range. ``j/R sqrt(N/mass)`` with the zeros j of the Bessel function of order ``diameters``.
-    """
-    from scipy.special import jn_zeros
-
-    _arguments.positive(radius=radius, tension=tension, mass=mass)
-    if diameters < 0 or count < 1 or diameters % 1 != 0 or count % 1 != 0:
-        raise ValueError(
-            f"diameters must be a whole number of at least 0 and count of at least 1, not {diameters} and {count}"
-        )
-    return np.asarray(jn_zeros(diameters, count) / radius * np.sqrt(tension / mass))
-
-
-def circle_ring_load(r: ArrayLike, *, ring: float, force: float, radius: float, tension: float) -> FloatArray:
-    """Return the static deflection of a circle under a load uniform on a ring, in m, shape of ``r``.
-
-    ``r`` (m, 0..radius) from the centre, ``ring`` the radius of the load in m, positive and below ``radius``, ``force``
-    the whole of it in N, ``tension`` in N/m. `ValueError` out of range. ``F/(2 pi N) ln(R/max(r, ring))``.
-    """
-    r = _circle(r, ring, force, radius, tension)
-    return np.asarray(force / (2.0 * np.pi * tension) * np.log(radius / np.maximum(r, ring)))
-
-
-def circle_patch_load(r: ArrayLike, *, patch: float, force: float, radius: float, tension: float) -> FloatArray:
-    """Return the static deflection of a circle under a load uniform on a concentric disc, in m, shape of ``r``.
-
-    ``patch`` is the radius of the disc in m, positive and at most ``radius``; the rest as in `circle_ring_load`.
-    ``F/(2 pi N) ln(R/r)`` next to the patch, ``F/(2 pi N) (ln(R/c) + (1 - r^2/c^2)/2)`` on it; 1/4 instead of the last
-    term is its mean there.
-    """
-    r = _circle(r, patch, force, radius, tension)
-    beyond = np.log(radius / np.maximum(r, patch))
-    return np.asarray(force / (2.0 * np.pi * tension) * (beyond + 0.5 * np.maximum(1.0 - (r / patch) ** 2, 0.0)))
-
-
-def circle_point_load(
-    x: ArrayLike, y: ArrayLike, *, at: Pair, force: float, radius: float, tension: float
-) -> FloatArray:
-    """Return the static deflection of a circle about the origin under a point load, in m; infinite at the load.
-
-    ``x`` and ``y`` (m, inside the circle) broadcast; ``at`` is the load's place in m, inside; ``force`` in N,
-    ``tension`` in N/m. `ValueError` out of range. By the image beyond the rim: ``F/(2 pi N) ln(|R^2 - z conj(z_0)|/(R
-    |z - z_0|))``.
-    """
-    _arguments.positive(radius=radius, tension=tension)
-    _arguments.finite(force=force)
-    z = np.asarray(x, dtype=np.float64) + 1j * np.asarray(y, dtype=np.float64)
-    load = complex(*at)
-    if not abs(load) < radius:
-        raise ValueError(f"the load must stand inside the circle of radius {radius:g} m, not at {at}")
-    if not np.all(np.abs(z) <= radius * (1.0 + 1e-12)):
-        raise ValueError(f"x and y must lie inside the circle of radius {radius:g} m")
-    with np.errstate(divide="ignore"):
-        logarithm = np.log(np.abs(radius**2 - z * load.conjugate()) / (radius * np.abs(z - load)))
-    return np.asarray(force / (2.0 * np.pi * tension) * logarithm)
-
-
-def _circle(r: ArrayLike, loaded: float, force: float, radius: float, tension: float) -> FloatArray:
-    _arguments.positive(radius=radius, tension=tension)
-    _arguments.finite(force=force)
-    if not 0.0 < loaded <= radius:
-        raise ValueError(f"the load's radius must be positive and at most the circle's {radius:g} m, not {loaded}")
-    return _arguments.within(0.0, radius, r=r)[0]
-
-
 def _pair(tension: float | Pair) -> Pair:
     return tension if isinstance(tension, tuple) else (tension, tension)
 
@@ -349,9 +79,3 @@ def _rectangle(sides: Pair, tension: float | Pair) -> tuple[Pair, Pair]:
     nx, ny = _pair(tension)
     _arguments.positive(side_along_x=sides[0], side_along_y=sides[1], tension_along_x=nx, tension_along_y=ny)
     return sides, (nx, ny)
-
-
-def _inside(at: Pair, sides: Pair) -> Pair:
-    if not all(0.0 < place < side for place, side in zip(at, sides, strict=True)):
-        raise ValueError(f"the load must stand inside the rectangle of {sides[0]:g} m x {sides[1]:g} m, not at {at}")
-    return at

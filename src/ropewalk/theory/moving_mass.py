@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from ropewalk.theory import _arguments, _delay, _massless
 from ropewalk.theory._wave import FloatArray, check_string, wave_speed
 
-__all__ = ["SLOWEST", "MassPassage", "moving_mass", "moving_mass_infinite", "passage_time", "times_of_passage"]
+__all__ = ["SLOWEST", "MassPassage", "moving_mass", "passage_time", "times_of_passage"]
 
 SLOWEST = 0.02  # of the wave speed, on a string with mass: the number of reflections grows as its inverse, squared
 
@@ -58,7 +58,7 @@ def moving_mass(
     path and 2e-6 of the force's size, 1e-4 in the last thousandth of the way. It takes 0.01 s at half the wave speed, a
     second at the slowest for a load as heavy as the string, a minute for one of a hundredth of that. At the wave speed
     and above the load meets a string at rest: no deflection, the force is the weight. (From below, the wave speed has
-    another limit: the mass of `moving_mass_infinite`.)
+    another limit: a mass on a string without ends.)
 
     At t = length/speed the deflection is the limit, which is not 0 in general: the paradox of the trajectory. Before,
     the force grows as 1/(L - V t), on a string with mass times a function that repeats itself with every bounce of the
@@ -87,28 +87,6 @@ def moving_mass(
         contact_force=np.where(arrived, endless, force),
         contact_lost_at=None if lost is None else lost * length / c,
     )
-
-
-def moving_mass_infinite(
-    t: ArrayLike, *, load_mass: float, tension: float, mass: float, gravity: float = 9.81
-) -> MassPassage:
-    """Return the motion of a mass that is set on an infinite string at t = 0 and travels slower than the waves.
-
-    ``t`` >= 0 in s; the rest and errors as in `moving_mass`. The speed does not matter below the wave speed:
-    ``N = m g (1 - exp(-t/T0))``, ``T0 = m/(2 rho c)``, and the velocity across is ``N/(2 rho c)``. Derived in
-    docs/notes/moving-mass-on-a-string.md.
-    """
-    _arguments.positive(load_mass=load_mass, gravity=gravity)
-    resistance = 2.0 * mass * wave_speed(tension=tension, mass=mass)
-    (t,) = _arguments.within(0.0, np.inf, t=t)
-    _arguments.finite(t=t)
-    settling = load_mass / resistance
-    age = t / settling
-    force = -load_mass * gravity * np.expm1(-age)
-    # Few terms of the series where the closed form would lose digits.
-    few = age**2 * np.polyval([-1 / 5040, 1 / 720, -1 / 120, 1 / 24, -1 / 6, 1 / 2], np.minimum(age, 1.0))
-    path = np.where(age < 0.03, few, age + np.expm1(-age))
-    return MassPassage(gravity * settling**2 * path, force / resistance, force, None)
 
 
 def passage_time(speed: float, length: float) -> float:

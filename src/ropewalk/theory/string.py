@@ -22,25 +22,17 @@ from numpy.typing import ArrayLike
 from ropewalk.theory._passage import Passage, passage_at
 from ropewalk.theory._wave import FloatArray, check_string, wave_speed
 from ropewalk.theory.image_sum import travelling_force
-from ropewalk.theory.moving_mass import MassPassage, moving_mass, moving_mass_infinite
-from ropewalk.theory.moving_oscillator import OscillatorPassage, moving_oscillator, moving_oscillator_infinite
+from ropewalk.theory.moving_mass import MassPassage, moving_mass
+from ropewalk.theory.moving_oscillator import OscillatorPassage, moving_oscillator
 
 __all__ = [
     "MassPassage",
     "OscillatorPassage",
-    "drive_force",
     "moving_force",
-    "moving_force_energy",
     "moving_force_path",
-    "moving_force_slope",
-    "moving_force_velocity",
-    "moving_forces",
     "moving_mass",
-    "moving_mass_infinite",
     "moving_oscillator",
-    "moving_oscillator_infinite",
     "travelling_force",
-    "wave_resistance",
     "wave_speed",
 ]
 
@@ -74,55 +66,6 @@ def moving_force(
     return scale * (np.minimum(x, passage.load) - passage.load * passage.fraction(x))
 
 
-def moving_force_slope(
-    x: ArrayLike,
-    t: ArrayLike,
-    *,
-    force: float,
-    speed: float,
-    length: float,
-    tension: float,
-    mass: float,
-) -> FloatArray:
-    """Return the slope dw/dx of the deflection that `moving_force` gives, without unit.
-
-    Arguments and errors as there. At a kink (the load, a wave front) it is the mean of the two sides. At
-    exactly the wave speed the displacement jump at the load has no slope and is left out.
-
-    ``w_x = F / (P (1 + alpha)) * (H(y - x) - y N / |interval|)``, N the number of window edges in the
-    interval.
-    """
-    x, passage = _at(x, t, speed, length, tension, mass)
-    behind = np.where(passage.gone, 1.0, np.heaviside(passage.load - x, 0.5)) * (passage.load > 0.0)
-    return force / (tension * (1.0 + passage.alpha)) * (behind - passage.load * passage.edge_density(x))
-
-
-def moving_force_velocity(
-    x: ArrayLike,
-    t: ArrayLike,
-    *,
-    force: float,
-    speed: float,
-    length: float,
-    tension: float,
-    mass: float,
-) -> FloatArray:
-    """Return the velocity dw/dt of the deflection that `moving_force` gives, in m/s.
-
-    Arguments and errors as there. At a kink it is the mean of the two sides; at exactly the wave speed the
-    travelling displacement jump is left out.
-
-    The time derivative of the formula at the head of this module: with h(sigma) = 1 inside the windows, ``w_t
-    = F / (P (1 + alpha)) (V H(x - y) - d(y phi)/dt)``, and ``d(y phi)/dt = (c h(s) - V h(y)) V/(c - V)``
-    during the passage, ``(h(s) - h(s - L/alpha + L)) c V/(c - V)`` after it.
-    """
-    x, passage = _at(x, t, speed, length, tension, mass)
-    c = wave_speed(tension=tension, mass=mass)
-    ahead = np.heaviside(x - passage.load, 0.5)
-    scale = force / (tension * (1.0 + passage.alpha))
-    return scale * (speed * passage.under_way * ahead - _load_fraction_rate(x, passage, speed, c))
-
-
 def moving_force_path(
     t: ArrayLike, *, force: float, speed: float, length: float, tension: float, mass: float
 ) -> FloatArray:
@@ -134,96 +77,6 @@ def moving_force_path(
     check_string(speed=speed, length=length, tension=tension, mass=mass)
     place = np.clip(speed * np.asarray(t, dtype=np.float64), 0.0, length)
     return moving_force(place, t, force=force, speed=speed, length=length, tension=tension, mass=mass)
-
-
-def moving_force_energy(
-    t: ArrayLike, *, force: float, speed: float, length: float, tension: float, mass: float
-) -> FloatArray:
-    """Return the energy of the string under the moving force and after it, in J, shape of ``t``.
-
-    Arguments and errors as in `moving_force`. Exact: the string is straight between the load and the wave fronts. Until
-    the first front is reflected it is ``F^2 V t / (2 P |1 - alpha^2|)``; after the exit it stays. Infinite at exactly
-    the wave speed, so that speed is a `ValueError`.
-    """
-    check_string(speed=speed, length=length, tension=tension, mass=mass)
-    _require_not_wave_speed(speed, tension, mass, "energy")
-    t = np.asarray(t, dtype=np.float64)
-    passage = passage_at(t, speed, length, tension, mass)
-    folded = [np.abs(phase - 2.0 * length * np.rint(phase / (2.0 * length))) for phase in passage.ends]
-    ends = np.sort(np.stack(np.broadcast_arrays(0.0, *folded, length), axis=-1), axis=-1)
-    middle = np.minimum(0.5 * (ends[..., 1:] + ends[..., :-1]), length)
-    given = {"force": force, "speed": speed, "length": length, "tension": tension, "mass": mass}
-    slope = moving_force_slope(middle, t[..., np.newaxis], **given)
-    velocity = moving_force_velocity(middle, t[..., np.newaxis], **given)
-    density = 0.5 * (tension * slope**2 + mass * velocity**2)
-    return np.asarray(np.sum(np.diff(ends, axis=-1) * density, axis=-1))
-
-
-def moving_forces(
-    x: ArrayLike,
-    t: ArrayLike,
-    *,
-    forces: ArrayLike,
-    speeds: ArrayLike,
-    entries: ArrayLike,
-    length: float,
-    tension: float,
-    mass: float,
-) -> FloatArray:
-    """Return the deflection under several moving forces by superposition, in m.
-
-    ``forces`` (N), ``speeds`` (m/s) and ``entries`` (s, when each reaches x = 0) broadcast to one value for each load.
-    The rest, errors included, is as in `moving_force`. Axles in fixed distances d enter at d/V after one another.
-    """
-    x, t = np.asarray(x, dtype=np.float64), np.asarray(t, dtype=np.float64)
-    total = np.zeros(np.broadcast_shapes(x.shape, t.shape))
-    for force, speed, entry in np.broadcast(np.atleast_1d(forces), speeds, entries):
-        total += moving_force(
-            x, t - entry, force=float(force), speed=float(speed), length=length, tension=tension, mass=mass
-        )
-    return total
-
-
-def drive_force(t: ArrayLike, *, force: float, speed: float, length: float, tension: float, mass: float) -> FloatArray:
-    """Return the force along the string that keeps the load's speed against the slope, in N, shape of ``t``.
-
-    Arguments and errors as in `moving_force`; 0 before the entry and after the exit. It is ``-F`` times the
-    mean slope under the load: ``F^2 (2 alpha - 1) / (2 P (1 - alpha^2))`` from the support to 2L/(V + c) for
-    V < c, negative for alpha < 1/2 because the support's image pushes. Infinite at exactly the wave speed, so
-    that speed is a `ValueError`.
-    """
-    check_string(speed=speed, length=length, tension=tension, mass=mass)
-    _require_not_wave_speed(speed, tension, mass, "drive force")
-    t = np.asarray(t, dtype=np.float64)
-    place = np.clip(speed * t, 0.0, length)
-    slope = moving_force_slope(place, t, force=force, speed=speed, length=length, tension=tension, mass=mass)
-    return -force * np.where((place > 0.0) & (place < length), slope, 0.0)
-
-
-def wave_resistance(*, force: float, speed: float, tension: float, mass: float) -> float:
-    """Return the force along the string that keeps a load moving far from any support, in N.
-
-    ``force`` in N, ``speed`` >= 0 in m/s, ``tension`` in N, ``mass`` in kg/m. `ValueError` out of range and
-    at exactly the wave speed, where it is infinite. The load started suddenly on an infinite string: ``F^2
-    alpha / (2 P (1 - alpha^2))`` below the wave speed, ``F^2 / (2 P (alpha^2 - 1))`` above it. Derived in
-    docs/notes.
-    """
-    check_string(speed=speed, length=1.0, tension=tension, mass=mass)
-    _require_not_wave_speed(speed, tension, mass, "drive force")
-    c = wave_speed(tension=tension, mass=mass)
-    alpha = speed / c
-    return force**2 * min(alpha, 1.0) * c / (2.0 * tension * abs(c - speed) * (1.0 + alpha))
-
-
-def _load_fraction_rate(x: FloatArray, passage: Passage, speed: float, c: float) -> FloatArray:
-    """Time derivative of ``y phi``, split so that nothing cancels where both ends are inside."""
-    at_wave, at_load = passage.indicator_at_ends(x)
-    if speed == c:
-        return c * at_wave * passage.under_way
-    both = np.minimum(at_wave, at_load)
-    gain = speed / (c - speed)
-    load_rate = np.where(passage.gone, c, speed)
-    return gain * (c * (at_wave - both) - load_rate * (at_load - both)) + speed * both * passage.under_way
 
 
 def _modal_shape(x: FloatArray, passage: Passage, modes: int) -> FloatArray:
@@ -251,8 +104,3 @@ def _at(
     if not np.all(np.isfinite(t)):
         raise ValueError("t must be finite")
     return x, passage_at(t, speed, length, tension, mass)
-
-
-def _require_not_wave_speed(speed: float, tension: float, mass: float, what: str) -> None:
-    if speed == wave_speed(tension=tension, mass=mass):
-        raise ValueError(f"the {what} is infinite at exactly the wave speed")

@@ -9,7 +9,6 @@ from ropewalk.validation import (
     nets,
     overhead_lines,
     people,
-    programs,
     taut_string,
     waves,
     wheels,
@@ -25,6 +24,5 @@ GROUPS: dict[str, tuple[KnownCase, ...]] = {
     "Overhead lines": overhead_lines.CASES,
     "Membranes and nets": nets.CASES,
     "Walkers and crowds": people.CASES,
-    "Vehicles of other programs": programs.CASES,
 }
 CASES = {case.id: case for cases in GROUPS.values() for case in cases}

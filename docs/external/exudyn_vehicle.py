@@ -12,10 +12,11 @@ from collections.abc import Sequence
 from copy import deepcopy
 from typing import Any
 
+import exudyn
 import numpy as np
+from exudyn import itemInterface as items
 
 from ropewalk.errors import RopewalkError
-from ropewalk.external.packages import imported
 from ropewalk.external.protocol import SeenLine, Touch
 from ropewalk.mechanics.chain import Array
 
@@ -44,7 +45,7 @@ class ExudynVehicle:
         steps: steps of Exudyn in one exchange.
 
     Raises:
-        RopewalkError: the package is absent, or numbers do not fit.
+        RopewalkError: numbers do not fit.
     """
 
     contacts = 2
@@ -54,7 +55,6 @@ class ExudynVehicle:
         stiffness: float, contact_stiffness: float, damping: float = 0.0, axles: Sequence[float] = (1.0, -1.0),
         gravity: float = 9.81, steps: int = 1,
     ) -> None:  # fmt: skip
-        self._exudyn, self._items = imported("exudyn", "exudyn"), imported("exudyn.itemInterface", "exudyn")
         if len(axles) != 2 or axles[0] * axles[1] >= 0.0:
             raise RopewalkError(f"axles must be two, one on either side of the centre, given {list(axles)}")
         positive = {"body_mass": body_mass, "body_inertia": body_inertia, "wheel_mass": wheel_mass,
@@ -127,7 +127,7 @@ class ExudynVehicle:
 
     def _build(self) -> None:
         """Put the multibody system together: x stays where it is, as nothing pulls along it."""
-        items, mbs = self._items, self._exudyn.SystemContainer().AddSystem()
+        mbs = exudyn.SystemContainer().AddSystem()
         node = mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[0.0, 0.0, 0.0]))
         body = mbs.AddObject(items.RigidBody2D(mass=self.body_mass, inertia=self.body_inertia, nodeNumber=node))
         ground = mbs.AddMarker(items.MarkerNodeCoordinate(
@@ -153,20 +153,20 @@ class ExudynVehicle:
         for marker, mass in weights:
             mbs.AddLoad(items.Force(markerNumber=marker, loadVector=[0.0, -mass * self.gravity, 0.0]))
         mbs.Assemble()
-        self._mbs, self._settings = mbs, self._exudyn.SimulationSettings()
+        self._mbs, self._settings = mbs, exudyn.SimulationSettings()
         times = self._settings.timeIntegration
         times.numberOfSteps, times.endTime, times.generalizedAlpha.useNewmark = 1, 0.0, True
         times.verboseMode, self._settings.solution.file.write = 0, False
         # In steady motion nothing is left to reduce: a residual counts by the weight. And steps cut short in secret
         # would not know where the line is then.
         times.newton.absoluteTolerance, times.adaptiveStep = _RESIDUAL * self.body_mass * 9.81, False
-        self._solver = self._exudyn.MainSolverImplicitSecondOrder()
+        self._solver = exudyn.MainSolverImplicitSecondOrder()
         self._solver.InitializeSolver(mbs, self._settings)
 
     def _advance(self, first: Array, last: Array, t: float, h: float) -> None:
         """One step of Exudyn while the line moves from the first heights to the last."""
         data, times = self._mbs.systemData, self._settings.timeIntegration
-        data.SetSystemState(data.GetSystemState(), configuration=self._exudyn.ConfigurationType.Initial)
+        data.SetSystemState(data.GetSystemState(), configuration=exudyn.ConfigurationType.Initial)
         times.startTime, times.endTime = t, t + h
         self._lift(first)  # of which the accelerations at the beginning come
         self._solver.InitializeSolverInitialConditions(self._mbs, self._settings)

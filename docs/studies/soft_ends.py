@@ -1,4 +1,4 @@
-"""Own figure: the upright end of a path and the hold force there fade with soft supports, pre-stress and weight.
+"""Draw how soft supports, pre-stress and weight reduce the upright end of a path and the driving force there.
 
 A load on a rope that is straight, light and fixed comes to its supports on an upright path (clamped), or runs on beyond
 them (frictionless). Section 3 of the paper says that soft supports, pre-stress and weight take that away; here is how
@@ -102,3 +102,7 @@ def _column(axes: list[Axes], name: str, cases: list[SoftnessCase]) -> None:
     slope.set_ylim(0.0, STEEPEST)
     hold.set_ylim(0.0, STEEPEST)
     slope.legend(frameon=False, fontsize=NOTE, labelcolor=INK, loc="upper left")
+
+
+if __name__ == "__main__":
+    draw().savefig("soft-ends.png")

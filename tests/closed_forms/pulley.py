@@ -12,7 +12,6 @@ the two of the end, equal tensions, and the given place. Newton's method follows
 
 from collections.abc import Callable, Sequence
 from typing import Literal
-from warnings import warn
 
 import numpy as np
 from numpy import inf
@@ -39,7 +38,6 @@ def resting(
     loads: Sequence[PointLoad],
     restrained: Restrained = "horizontal",
     frictionless: Sequence[bool] | None = None,
-    **before: Restrained,
 ) -> RestingRope:
     """Return a rope at rest under frictionless loads, hold forces included in `RestingRope.load_forces`.
 
@@ -51,11 +49,6 @@ def resting(
     `ValueError` for arguments out of range and where no hold force makes the tensions equal: out of the rope's
     reach, or on an elastic rope too near to a support, where the load slips off for any hold force.
     """
-    if "held" in before:
-        warn("held was renamed to restrained; it will be removed in the next release", DeprecationWarning, stacklevel=2)
-        restrained = before.pop("held")
-    if before:
-        raise TypeError(f"resting() got an unexpected keyword argument {next(iter(before))!r}")
     compliance = _segments.check_rope(span, height, length, weight, axial_stiffness, law)
     if restrained not in ("horizontal", "material"):
         raise ValueError(f"restrained must be 'horizontal' or 'material', not {restrained!r}")

@@ -14,7 +14,7 @@ from ropewalk.model import DECLARATIONS
 from ropewalk.scenario.schema import json_schema
 from ropewalk.units import written
 
-MARK = "<!-- Generated from the schema by ropewalk.scenario.reference: do not edit below this line. -->"
+MARK = "<!-- Generated from the schema by docs/make_reference.py: do not edit below this line. -->"
 """What separates the hand-written part of a page from the generated one."""
 
 SECTIONS = {

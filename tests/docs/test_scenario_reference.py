@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from scenario_reference import FIRST, MARK, PAGES, SECTIONS, reference, refreshed  # of docs/: see conftest.py
 
 from ropewalk.model import Line, Travel
-from ropewalk.scenario import json_schema, loads, reference
-from ropewalk.scenario.reference import FIRST, MARK, PAGES, SECTIONS, refreshed
+from ropewalk.scenario import json_schema, loads
 
 DOCS = Path(__file__).parents[2] / "docs"
 

@@ -1,8 +1,8 @@
-"""Own figure: where along the span the linear string is off by more than 1, 5 and 20 %, against pre-stress and load.
+"""Draw where along the span the linear string is off by more than 1, 5 and 20 %, against pre-stress and load.
 
 Deflection under a slow load W on a taut line without weight: exact elastic theory (`ropewalk.theory.rope`, clamped at a
-material point) beside W x (X - x)/(P X), x the load's place before it loads the line. What decides are W/P and the
-pre-strain P/EA. The load stretches the line, tension and load grow together, and for small slopes
+material point), compared with W x (X - x)/(P X), x the position of the load before it loads the line. The parameters
+are W/P and the pre-strain P/EA. The load stretches the line, tension and load grow together, and for small slopes
 
     W/P = (1 + e) sqrt(2 e (P/EA) X^2/(x (X - x)))
 
@@ -135,3 +135,7 @@ def _bands(ax: Axes, x: FloatArray, limits: list[FloatArray]) -> None:
         ax.fill_between(x, low, np.maximum(low, high), color=colour, lw=0.0)
     for edge in limits:
         ax.plot(x, edge, color=INK, lw=LINE)
+
+
+if __name__ == "__main__":
+    draw().savefig("linear-limits.png")

@@ -17,14 +17,15 @@ let the wire be long where the line gives way much.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from importlib import import_module
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
 import numpy as np
+from fmpy import read_model_description
 
 from ropewalk.errors import RopewalkError, did_you_mean
 from ropewalk.external.fmu_wiring import StartValue, Wiring
-from ropewalk.external.packages import imported
 from ropewalk.external.protocol import SeenLine, Touch
 from ropewalk.external.slave import Slave
 from ropewalk.mechanics.chain import Array
@@ -50,7 +51,7 @@ class HangingCrane:
         drives: input variable: value, or [times in s, values], linear in between; what the crane driver does.
 
     Raises:
-        RopewalkError: py-crane or FMPy are absent, or there is no such file or variable.
+        RopewalkError: py-crane is absent, or there is no such file or variable.
     """
 
     contacts = 1
@@ -163,13 +164,13 @@ def _found(file: str) -> Path:
     # It brings modules of its own, which stay when its folder has gone, and half of which the next FMU of its kind
     # would find: let all take those that are installed.
     for module in ("component_model.model", "component_model.utils.transform", "py_crane.crane_fmu"):
-        imported(module, "py-crane")
+        import_module(module)
     return fmus[file]
 
 
 def _wiring(file: Path, parameters: Mapping[str, float], drives: tuple[str, ...]) -> Wiring:
     """What of the crane is used, by the names of its variables."""
-    description = imported("fmpy", "fmpy").read_model_description(str(file))
+    description = read_model_description(str(file))
     references = {variable.name: variable.valueReference for variable in description.modelVariables}
     for name in (*_INPUTS, *_OUTPUTS, *parameters, *drives):
         if name not in references:

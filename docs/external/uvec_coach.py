@@ -13,9 +13,10 @@ from copy import deepcopy
 from typing import Any
 
 import numpy as np
+from UVEC.uvec_ten_dof_vehicle_2D.irregularities import calculate_joint_irregularities, calculate_rail_irregularity
+from UVEC.uvec_ten_dof_vehicle_2D.uvec import compute_dynamic_solution
 
 from ropewalk.errors import RopewalkError
-from ropewalk.external.packages import imported
 from ropewalk.external.protocol import SeenLine, Touch
 from ropewalk.mechanics.chain import Array
 
@@ -53,7 +54,7 @@ class UvecCoach:
             width_joint), None for none.
 
     Raises:
-        RopewalkError: the package is absent, or numbers do not fit.
+        RopewalkError: numbers do not fit.
     """
 
     contacts = 4
@@ -65,10 +66,6 @@ class UvecCoach:
         contact_coefficient: float, contact_power: float = 1.5,
         irregularities: Mapping[str, Any] | None = None, joint: Mapping[str, Any] | None = None,
     ) -> None:  # fmt: skip
-        home = "UVEC.uvec_ten_dof_vehicle_2D"
-        self._compute = imported(f"{home}.uvec", "uvec").compute_dynamic_solution
-        rails = imported(f"{home}.irregularities", "uvec")
-        self._random, self._joint = rails.calculate_rail_irregularity, rails.calculate_joint_irregularities
         self._irregularities, self._place_of_joint = irregularities, joint
         for key, places in (("bogie_distances", bogie_distances), ("wheel_distances", wheel_distances)):
             if len(places) != 2 or abs(sum(places)) > 1e-9 or not any(places):
@@ -142,9 +139,9 @@ class UvecCoach:
         if 0.0 <= xi <= line.length and self._rest is not None:
             height = float(line.at(xi)[0][-1] - np.interp(xi, *self._rest))
         if self._irregularities is not None:
-            height += float(self._random(xi, **self._irregularities))
+            height += float(calculate_rail_irregularity(xi, **self._irregularities))
         if self._place_of_joint is not None:
-            height += float(self._joint(xi, **self._place_of_joint))
+            height += float(calculate_joint_irregularities(xi, **self._place_of_joint))
         return height
 
     def _forces(self, rail: Array, h: float) -> Array:
@@ -158,7 +155,7 @@ class UvecCoach:
         before = np.full(rail.size, np.nan)
         for _ in range(MOST):
             with np.errstate(invalid="ignore"):  # a root of a negative closing, which UVEC makes zero
-                data = self._compute(data)
+                data = compute_dynamic_solution(data)
             force = np.array([-load[1] for load in data["loads"].values()])
             if np.abs(force - before).max() <= AGREED * static:  # never true of the first one
                 self._refuse_pull(rail)
