@@ -1,0 +1,132 @@
+"""Builder of structures: collects nodes, runs and springs, and lays out Model and State."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ropewalk.engine.model import Block, fields
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Run:
+    """Properties of a run."""
+
+    link_length: float
+    line_mass: float
+    axial_stiffness: float
+    axial_damping: float = 0.0
+    bending_stiffness: float = 0.0
+    tension_only: bool = False
+    curved: bool = True
+
+
+@dataclass(frozen=True)
+class Spring:
+    """Properties of a spring between two nodes."""
+
+    stiffness: float
+    length: float
+    damping: float = 0.0
+    tension_only: bool = False
+
+
+@dataclass
+class Builder:
+    """Collects the parts of a structure in space or in a vertical plane; the last axis is upwards."""
+
+    axes: int = 2
+    gravity: float = 9.81
+    _points: list[Array] = field(default_factory=list)
+    _masses: list[Array] = field(default_factory=list)
+    _held: dict[int, Array] = field(default_factory=dict)
+    _runs: list[tuple[int, int, Run]] = field(default_factory=list)
+    _springs: list[tuple[int, int, Spring]] = field(default_factory=list)
+    _joints: list[tuple[int, int]] = field(default_factory=list)
+
+    def add_node(self, point: ArrayLike, mass: float) -> int:
+        """Add a node that is in no run, and return its number.
+
+        Args:
+            point: (axis,) m.
+            mass: kg.
+        """
+        return self._add(np.reshape(np.asarray(point, dtype=float), (self.axes, 1)), np.array([mass]))
+
+    def add_run(self, points: ArrayLike, run: Run) -> tuple[int, int]:
+        """Add a run with a node at each point; return the numbers of the first and the last one.
+
+        Args:
+            points: (axis, node) m.
+            run: its properties.
+        """
+        at = np.asarray(points, dtype=float)
+        masses = np.full(at.shape[1], run.line_mass * run.link_length)
+        masses[[0, -1]] *= 0.5
+        first = self._add(at, masses)
+        self._runs.append((first, at.shape[1] - 1, run))
+        return first, first + at.shape[1] - 1
+
+    def _add(self, points: Array, masses: Array) -> int:
+        first = sum(each.size for each in self._masses)
+        self._points.append(points)
+        self._masses.append(masses)
+        return first
+
+    def add_spring(self, begin: int, end: int, spring: Spring) -> None:
+        """Add a spring between two nodes."""
+        self._springs.append((begin, end, spring))
+
+    def hold(self, *nodes: int, axes: Iterable[int] | None = None) -> None:
+        """Prescribe velocities of nodes along some axes; None: all."""
+        for node in nodes:
+            held = self._held.setdefault(node, np.zeros(self.axes, dtype=bool))
+            held[list(range(self.axes) if axes is None else axes)] = True
+
+    def join(self, copy: int, original: int) -> None:
+        """Make two nodes the same point."""
+        self._joints.append((copy, original))
+
+    def build(self) -> tuple[Block, Block]:
+        """Return Model and State; everything is at rest."""
+        points, masses = np.concatenate(self._points, axis=1), np.concatenate(self._masses)
+        damped = any(each.axial_damping for *_, each in self._runs) or any(s.damping for *_, s in self._springs)
+        sizes = {"AXES": self.axes, "NODES": masses.size, "VISCOUS": masses.size * damped, "RUNS": len(self._runs),
+                 "SPRINGS": len(self._springs), "JOINTS": len(self._joints)}  # fmt: skip
+        model, state = Block("MODEL", sizes), Block("STATE", sizes)
+        copies, originals = np.array(self._joints, dtype=np.int64).reshape(-1, 2).T
+        np.add.at(masses, originals, masses[copies])
+        masses[copies] = np.inf
+        mobility = np.tile(1.0 / masses, (self.axes, 1))
+        for node, held in self._held.items():
+            mobility[held, node] = 0.0
+        points[:, copies] = points[:, originals]
+        masses[copies] = 0.0
+        model.set(mobility=mobility, joint_copy=copies, joint_original=originals)
+        model.weight[-1] = -self.gravity * masses
+        state.position[:] = points
+        for rows in (self._run_rows(), self._spring_rows()):
+            for name in rows[0] if rows else ():
+                model.set(**{name: [row[name] for row in rows]})
+        return model, state
+
+    def _run_rows(self) -> list[dict[str, Any]]:
+        names = {each.name for each in fields()}
+        return [
+            {"run_first": first, "run_links": links}
+            | {name if name in names else f"run_{name}": value for name, value in asdict(run).items()}
+            for first, links, run in self._runs
+        ]
+
+    def _spring_rows(self) -> list[dict[str, Any]]:
+        return [
+            {"spring_begin": begin, "spring_end": end}
+            | {f"spring_{name}": value for name, value in asdict(spring).items()}
+            for begin, end, spring in self._springs
+        ]
