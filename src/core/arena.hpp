@@ -42,8 +42,10 @@ struct Field {
     Values values;
 };
 
-template <class T> constexpr bool IS_INDEX = false;
-template <> constexpr bool IS_INDEX<I64> = true;
+template <class T>
+constexpr bool IS_INDEX = false;
+template <>
+constexpr bool IS_INDEX<I64> = true;
 
 constexpr Field FIELDS[] = {
 #define DIMENSION(...)
@@ -54,9 +56,9 @@ constexpr Field FIELDS[] = {
 };
 constexpr I64 FIELD_COUNT = sizeof FIELDS / sizeof FIELDS[0];
 
-constexpr I64 LINE = 64;         // bytes that every row is aligned to
-constexpr I64 BLOCK = 128;       // nodes that a step moves at once
-constexpr I64 MARGIN = 16;       // numbers behind every row, and around those of the scratch space, that vectors may read
+constexpr I64 LINE = 64;    // bytes that every row is aligned to
+constexpr I64 BLOCK = 128;  // nodes that a step moves at once
+constexpr I64 MARGIN = 16;  // numbers behind every row, and around those of the scratch space, that vectors may read
 constexpr I64 SCRATCH_ROWS = 5;  // for each axis
 constexpr I64 SCRATCH_ROW = BLOCK + 2 * MARGIN;
 constexpr I64 SCRATCH_SIZE = 3 * SCRATCH_ROWS * SCRATCH_ROW;
@@ -85,7 +87,8 @@ struct Arena {
 };
 
 // An array of a block. The checked build stops where an index leads out of it.
-template <class T> struct View {
+template <class T>
+struct View {
     T* data;
 #ifdef RW_CHECKED
     I64 size;
@@ -105,7 +108,8 @@ struct Cursor {
     const I64* counts;
 
     explicit Cursor(Arena arena) : next(arena.base + HEADER), counts(arena.header().counts) {}
-    template <class T> void take(View<T>& view, Dimension rows, Dimension columns) {
+    template <class T>
+    void take(View<T>& view, Dimension rows, Dimension columns) {
         const I64 size = counts[rows] * stride_of(counts[columns]);
         view.data = reinterpret_cast<T*>(next);
 #ifdef RW_CHECKED

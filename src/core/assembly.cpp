@@ -5,7 +5,8 @@
 namespace RW_VARIANT {
 
 // Call visit<E>(parameters, nodes) for every element E of a model.
-template <int AXES, class Visit> static void visit_elements(const Model& m, Visit visit) {
+template <int AXES, class Visit>
+static void visit_elements(const Model& m, Visit visit) {
     for (I64 r = 0; r < m.runs; r++) {
         Links p = links_of(m, r);
         const I64 first = m.run_first[r], last = first + m.run_links[r];
@@ -28,10 +29,12 @@ template <int AXES, class Visit> static void visit_elements(const Model& m, Visi
 }
 
 // Values (axis, node) of an array with rows of so many numbers at the nodes of an element.
-template <class E, int AXES> static void gather(const double* from, I64 stride, const I64* nodes, double* values) {
+template <class E, int AXES>
+static void gather(const double* from, I64 stride, const I64* nodes, double* values) {
     for (int i = 0; i < E::UNKNOWNS; i++) values[i] = from[i % AXES * stride + nodes[i / AXES]];
 }
-template <class E, int AXES> static void scatter(const double* values, I64 stride, const I64* nodes, double* to) {
+template <class E, int AXES>
+static void scatter(const double* values, I64 stride, const I64* nodes, double* to) {
     for (int i = 0; i < E::UNKNOWNS; i++) to[i % AXES * stride + nodes[i / AXES]] += values[i];
 }
 
@@ -40,7 +43,8 @@ static void set_weights(const Model& m, double* forces) {
         for (I64 i = 0; i < m.nodes; i++) forces[axis * m.nodes + i] = m.weight[axis * m.stride + i];
 }
 
-template <int AXES> struct Assembly {
+template <int AXES>
+struct Assembly {
     const Model m;
     const State s;
     const Context c;
@@ -66,7 +70,8 @@ template <int AXES> struct Assembly {
             energies[0] += E::energy(p, c, x);
         });
         for (I64 axis = 0; axis < AXES; axis++)
-            for (I64 i = axis * m.stride; i < axis * m.stride + m.nodes; i++) energies[1] -= m.weight[i] * s.position[i];
+            for (I64 i = axis * m.stride; i < axis * m.stride + m.nodes; i++)
+                energies[1] -= m.weight[i] * s.position[i];
     }
 
     I64 entries() const {
@@ -97,7 +102,8 @@ template <int AXES> struct Assembly {
 };
 
 // Call a function with the Assembly of as many axes as a model has.
-template <class Call> static auto with_assembly(const Blocks& blocks, Call call) {
+template <class Call>
+static auto with_assembly(const Blocks& blocks, Call call) {
     return blocks.model.header().counts[AXES] == 2 ? call(Assembly<2>(blocks)) : call(Assembly<3>(blocks));
 }
 

@@ -113,24 +113,32 @@ static Finding check_joints(const Model& m, const State& s, Workspace& w) {
     }
     for (I64 j = 0; j < m.joints; j++) {
         const I64 copy = m.joint_copy[j], original = m.joint_original[j];
-        if (w.force[original] != 0.0 || run_around(m, original) >= 0) return {Fault::JOINT, number_of_joint_original, j};
+        if (w.force[original] != 0.0 || run_around(m, original) >= 0)
+            return {Fault::JOINT, number_of_joint_original, j};
         for (I64 axis = 0; axis < m.axes; axis++) {
             const I64 row = axis * m.stride, entry = axis * m.nodes + copy;
             if (m.mobility[row + copy] != 0.0) return {Fault::JOINT, number_of_mobility, entry};
             if (m.weight[row + copy] != 0.0) return {Fault::JOINT, number_of_weight, entry};
-            if (s.position[row + copy] != s.position[row + original])
-                return {Fault::JOINT, number_of_position, entry};
-            if (s.velocity[row + copy] != s.velocity[row + original])
-                return {Fault::JOINT, number_of_velocity, entry};
+            if (s.position[row + copy] != s.position[row + original]) return {Fault::JOINT, number_of_position, entry};
+            if (s.velocity[row + copy] != s.velocity[row + original]) return {Fault::JOINT, number_of_velocity, entry};
         }
     }
     return {Fault::NONE, 0, 0};
 }
 
+// Whether all inner nodes of a run have the same mobility and weight.
+static bool is_uniform(const Model& m, I64 run) {
+    const I64 first = m.run_first[run] + 1, last = m.run_first[run] + m.run_links[run];
+    for (I64 row = 0; row < m.axes * m.stride; row += m.stride)
+        for (I64 i = row + first; i < row + last; i++)
+            if (m.mobility[i] != m.mobility[row + first] || m.weight[i] != m.weight[row + first]) return false;
+    return true;
+}
+
 static void prepare(const Model& m, Workspace& w) {
     for (I64 i = 0; i < m.axes * m.stride; i++) w.force[i] = 0.0;
     for (I64 i = 0; i < SCRATCH_SIZE; i++) w.scratch[i] = 0.0;
-    for (I64 r = 0; r < m.runs; r++) w.run_pulled[r] = 0;
+    for (I64 r = 0; r < m.runs; r++) w.run_pulled[r] = 0, w.run_uniform[r] = is_uniform(m, r);
     for (I64 k = 0; k < m.springs; k++) {
         if (const I64 run = run_around(m, m.spring_begin[k]); run >= 0) w.run_pulled[run] = 1;
         if (const I64 run = run_around(m, m.spring_end[k]); run >= 0) w.run_pulled[run] = 1;

@@ -16,7 +16,8 @@
 namespace RW_VARIANT {
 
 // Hooke's law with a damper. A spring is a straight link with EA = k L. T: numbers, or vectors of different springs.
-template <class T> struct Axial {
+template <class T>
+struct Axial {
     T stiffness;  // N/m
     T preload;    // N, stiffness times unstrained length
     T damping;    // N s/m
@@ -24,12 +25,14 @@ template <class T> struct Axial {
 };
 
 // Forces over length, N/m: of the spring, and of spring and damper.
-template <class S> struct Pull {
+template <class S>
+struct Pull {
     S elastic, total;
 };
 
 // square: of the length, along: product of the chord and its rate.
-template <bool VISCOUS, class T, class S> inline Pull<S> pull(const Axial<T>& p, S square, S along) {
+template <bool VISCOUS, class T, class S>
+inline Pull<S> pull(const Axial<T>& p, S square, S along) {
     const S inverse = 1.0 / root(square);
     const S elastic = p.stiffness - p.preload * inverse;
     S total = elastic;
@@ -54,7 +57,8 @@ inline Links links_of(const Model& m, I64 r) {
 }
 
 // A straight link, or a spring: unknowns are the positions of its two nodes.
-template <int AXES> struct Straight {
+template <int AXES>
+struct Straight {
     static constexpr int UNKNOWNS = 2 * AXES;
 
     // Force of a link with chord c and rate of it on its first node.
@@ -69,7 +73,8 @@ template <int AXES> struct Straight {
         for (int i = 0; i < AXES; i++) first[i] = q * c[i];
     }
 
-    template <class S> static void force(const Axial<double>& p, const Context&, const S* x, const S* v, S* f) {
+    template <class S>
+    static void force(const Axial<double>& p, const Context&, const S* x, const S* v, S* f) {
         S c[AXES], rate[AXES], first[AXES];
         for (int i = 0; i < AXES; i++) c[i] = x[AXES + i] - x[i], rate[i] = v[AXES + i] - v[i];
         resist<true>(p, c, rate, first);
@@ -79,14 +84,16 @@ template <int AXES> struct Straight {
         }
     }
 
-    template <class S> static S energy(const Axial<double>& p, const Context&, const S* x) {
+    template <class S>
+    static S energy(const Axial<double>& p, const Context&, const S* x) {
         S square = 0.0;
         for (int i = 0; i < AXES; i++) square = square + (x[AXES + i] - x[i]) * (x[AXES + i] - x[i]);
         return stored(p, square);
     }
 
     // Energy of the spring with the square of its length.
-    template <class S> static S stored(const Axial<double>& p, S square) {
+    template <class S>
+    static S stored(const Axial<double>& p, S square) {
         if (p.stiffness == 0.0) return 0.0;
         const S longer = root(square) - p.preload / p.stiffness;
         return unless_below(longer, p.floor, 0.5 * p.stiffness * longer * longer);
@@ -94,7 +101,8 @@ template <int AXES> struct Straight {
 };
 
 // A curved link: unknowns are the positions of the node before it, of its two nodes, and of the one behind it.
-template <int AXES> struct Curved {
+template <int AXES>
+struct Curved {
     static constexpr int UNKNOWNS = 4 * AXES;
 
     // Of a link with chord c and rate of it, second differences a and b: force on its first node, and what acts
@@ -118,7 +126,8 @@ template <int AXES> struct Curved {
     }
 
     // Second differences at its nodes.
-    template <class S> static void bend(const Links& p, const S* x, S* a, S* b) {
+    template <class S>
+    static void bend(const Links& p, const S* x, S* a, S* b) {
         for (int i = 0; i < AXES; i++) {
             const S before = x[AXES + i] - x[i], c = x[2 * AXES + i] - x[AXES + i];
             const S behind = x[3 * AXES + i] - x[2 * AXES + i];
@@ -127,7 +136,8 @@ template <int AXES> struct Curved {
         }
     }
 
-    template <class S> static void force(const Links& p, const Context&, const S* x, const S* v, S* f) {
+    template <class S>
+    static void force(const Links& p, const Context&, const S* x, const S* v, S* f) {
         S c[AXES], rate[AXES], a[AXES], b[AXES], first[AXES], against_a[AXES], against_b[AXES];
         bend(p, x, a, b);
         for (int i = 0; i < AXES; i++) {
@@ -144,7 +154,8 @@ template <int AXES> struct Curved {
         }
     }
 
-    template <class S> static S energy(const Links& p, const Context&, const S* x) {
+    template <class S>
+    static S energy(const Links& p, const Context&, const S* x) {
         S a[AXES], b[AXES], square = 0.0, squares = 0.0, product = 0.0;
         bend(p, x, a, b);
         for (int i = 0; i < AXES; i++) {

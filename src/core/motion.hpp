@@ -10,7 +10,8 @@ namespace RW_VARIANT {
 
 enum Outcome : I64 { DONE, STOPPED, DIVERGED };
 
-template <int AXES, bool VISCOUS> struct Motion {
+template <int AXES, bool VISCOUS>
+struct Motion {
     const Model& m;
     const State& s;
     Workspace& w;

@@ -16,13 +16,44 @@ struct Step {
     double lead;  // of predicted velocities: what is left to the new positions, over the kick
 };
 
+// Inverse masses and weights of nodes: of each its own, or of all inner nodes of a run the same.
+struct Various {
+    const Model& m;
+    template <class S>
+    S mobility(int, I64 at) const {
+        return load<S>(m.mobility.at(at, sizeof(S) / sizeof(double)));
+    }
+    template <class S>
+    S weight(int, I64 at) const {
+        return load<S>(m.weight.at(at, sizeof(S) / sizeof(double)));
+    }
+};
+template <int AXES>
+struct Uniform {
+    double mobilities[AXES], weights[AXES];
+    Uniform(const Model& m, I64 node) {
+        for (int axis = 0; axis < AXES; axis++) {
+            mobilities[axis] = m.mobility[axis * m.stride + node];
+            weights[axis] = m.weight[axis * m.stride + node];
+        }
+    }
+    template <class S>
+    S mobility(int axis, I64) const {
+        return S{} + mobilities[axis];
+    }
+    template <class S>
+    S weight(int axis, I64) const {
+        return S{} + weights[axis];
+    }
+};
+
 // Kick and drift nodes i, i + 1 ... under forces that act besides weights.
 template <int AXES, bool VISCOUS, class S>
-inline void move(const Model& m, const State& s, const Step& step, I64 i, const S* force) {
+inline void move(const Model& m, const State& s, const Step& step, const auto& inertia, I64 i, const S* force) {
     constexpr I64 COUNT = sizeof(S) / sizeof(double);
     for (int axis = 0; axis < AXES; axis++) {
         const I64 at = axis * m.stride + i;
-        const S mobility = load<S>(m.mobility.at(at, COUNT)), weight = load<S>(m.weight.at(at, COUNT));
+        const S mobility = inertia.template mobility<S>(axis, at), weight = inertia.template weight<S>(axis, at);
         const S gain = (step.kick * mobility) * (force[axis] + weight);
         const S v = load<S>(s.velocity.at(at, COUNT)) + gain;
         store(s.velocity.at(at, COUNT), v);
@@ -41,21 +72,23 @@ inline void move_loaded(const Model& m, const State& s, Workspace& w, const Step
         force[axis] = load<S>(from);
         store(from, S{});
     }
-    move<AXES, VISCOUS>(m, s, step, i, force);
+    move<AXES, VISCOUS>(m, s, step, Various{m}, i, force);
 }
 
-template <int AXES, bool VISCOUS, bool CURVED> struct Sweep {
+template <int AXES, bool VISCOUS, bool CURVED>
+struct Sweep {
     const Model& m;
     const State& s;
     Workspace& w;
     const Step& step;
     Links p;
     I64 first, links;  // of the run
-    bool is_pulled;
+    bool is_pulled, is_uniform;
 
     Sweep(const Model& model, const State& state, Workspace& work, const Step& step_, I64 run)
         : m(model), s(state), w(work), step(step_), p(links_of(model, run)) {
-        first = m.run_first[run], links = m.run_links[run], is_pulled = w.run_pulled[run];
+        first = m.run_first[run], links = m.run_links[run];
+        is_pulled = w.run_pulled[run], is_uniform = w.run_uniform[run];
     }
 
     void run() {
@@ -155,7 +188,8 @@ template <int AXES, bool VISCOUS, bool CURVED> struct Sweep {
     }
 
     // Force of the links on nodes k, k + 1 ... of the block.
-    template <class S> S force(int axis, I64 k) const {
+    template <class S>
+    S force(int axis, I64 k) const {
         const double* const t = row(PULL, axis) + k;
         const S pulled = load<S>(t) - load<S>(t - 1);
         if constexpr (!CURVED) return pulled;
@@ -175,7 +209,8 @@ template <int AXES, bool VISCOUS, bool CURVED> struct Sweep {
         }
     }
 
-    template <class S> void move_node(I64 a, I64 k) {
+    template <class S>
+    void move_node(const auto& inertia, I64 a, I64 k) {
         S forces[AXES];
         for (int axis = 0; axis < AXES; axis++) {
             forces[axis] = force<S>(axis, k);
@@ -185,12 +220,18 @@ template <int AXES, bool VISCOUS, bool CURVED> struct Sweep {
                 store(others, S{});
             }
         }
-        move<AXES, VISCOUS>(m, s, step, first + a + k, forces);
+        move<AXES, VISCOUS>(m, s, step, inertia, first + a + k, forces);
     }
     void move_nodes(I64 a, I64 begin, I64 end) {
+        if (is_uniform)
+            move_nodes(Uniform<AXES>(m, first + 1), a, begin, end);
+        else
+            move_nodes(Various{m}, a, begin, end);
+    }
+    void move_nodes(const auto& inertia, I64 a, I64 begin, I64 end) {
         I64 k = begin;
-        for (; k + WIDTH <= end; k += WIDTH) move_node<Vector>(a, k);
-        for (; k < end; k++) move_node<double>(a, k);
+        for (; k + WIDTH <= end; k += WIDTH) move_node<Vector>(inertia, a, k);
+        for (; k < end; k++) move_node<double>(inertia, a, k);
     }
 
     // What the next block needs of this one.

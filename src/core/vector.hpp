@@ -8,11 +8,18 @@ namespace RW_VARIANT {
 
 constexpr I64 WIDTH = RW_WIDTH;
 typedef double Vector __attribute__((vector_size(8 * RW_WIDTH)));
-typedef double Unaligned __attribute__((vector_size(8 * RW_WIDTH), aligned(8), may_alias));
+typedef double Unaligned __attribute__((vector_size(8 * RW_WIDTH), aligned(8)));
 
-template <class S> inline S load(const double* from);
-template <> inline double load<double>(const double* from) { return *from; }
-template <> inline Vector load<Vector>(const double* from) { return *reinterpret_cast<const Unaligned*>(from); }
+template <class S>
+inline S load(const double* from);
+template <>
+inline double load<double>(const double* from) {
+    return *from;
+}
+template <>
+inline Vector load<Vector>(const double* from) {
+    return *reinterpret_cast<const Unaligned*>(from);
+}
 
 inline void store(double* to, double x) { *to = x; }
 inline void store(double* to, Vector x) { *reinterpret_cast<Unaligned*>(to) = x; }
