@@ -43,9 +43,7 @@ struct Field {
 };
 
 template <class T>
-constexpr bool IS_INDEX = false;
-template <>
-constexpr bool IS_INDEX<I64> = true;
+inline constexpr bool IS_INDEX = __is_same(T, I64);
 
 constexpr Field FIELDS[] = {
 #define DIMENSION(...)

@@ -27,17 +27,11 @@ class Advance(NamedTuple):
     outcome: Outcome
 
 
-class Energies(NamedTuple):
-    """Energies of a structure at the instant of its positions, J."""
+class Potentials(NamedTuple):
+    """Potential energies of a structure, J."""
 
-    kinetic: float
     elastic: float
     weight: float
-
-    @property
-    def total(self) -> float:
-        """Return the sum."""
-        return sum(self)
 
 
 class Linearised(NamedTuple):
@@ -111,13 +105,16 @@ class Bound:
         now[:, self.model.joint_copy] = now[:, self.model.joint_original]
         return now
 
-    def energies(self) -> Energies:
-        """Return the energies at the instant of the positions."""
+    def potentials(self) -> Potentials:
+        """Return the potential energies at the positions of the State."""
         found = np.zeros(2)
         library().rw_energies(self._bases, found.ctypes.data)
+        return Potentials(*found.tolist())
+
+    def kinetic_energy(self) -> float:
+        """Return the kinetic energy at the instant of the positions, J."""
         moves = self.model.mobility > 0.0
-        kinetic = 0.5 * np.sum(self.velocities()[moves] ** 2 / self.model.mobility[moves])
-        return Energies(float(kinetic), float(found[0]), float(found[1]))
+        return float(0.5 * np.sum(self.velocities()[moves] ** 2 / self.model.mobility[moves]))
 
     def linearise(self, velocities: Array | None = None) -> Linearised:
         """Return forces, K = -df/dr and C = -df/dv at the positions of the State.
@@ -160,8 +157,8 @@ _FAULTS = {
     3: "is {value}; it holds {values}",
     4: "is node {value}; nodes are 0 to {last}",
     5: "is {value}; a run has at least one link, ends at node {last} at most and begins behind the one before it",
-    6: "is {value}; a copy is at an end of a run or between runs, is no original itself, is named once, has no mobility "
-    "and no weight, and has the position and velocity of its original",
+    6: "is {value}; a copy is no inner node of a run and no original, is named once, has no mobility and no weight, and "
+    "has the position and velocity of its original",
     7: "is node {value}, which is the first node of the spring, too",
     8: "is {value}; a structure with dampers needs VISCOUS = NODES",
 }

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ropewalk.engine.model import Block, fields
+from ropewalk.errors import RopewalkError
 
 Array = NDArray[np.float64]
 
@@ -94,7 +95,11 @@ class Builder:
         self._joints.append((copy, original))
 
     def build(self) -> tuple[Block, Block]:
-        """Return Model and State; everything is at rest."""
+        """Return Model and State; nothing moves.
+
+        Raises:
+            RopewalkError: a node that is not held has no mass.
+        """
         points, masses = np.concatenate(self._points, axis=1), np.concatenate(self._masses)
         damped = any(each.axial_damping for *_, each in self._runs) or any(s.damping for *_, s in self._springs)
         sizes = {"AXES": self.axes, "NODES": masses.size, "VISCOUS": masses.size * damped, "RUNS": len(self._runs),
@@ -102,12 +107,14 @@ class Builder:
         model, state = Block("MODEL", sizes), Block("STATE", sizes)
         copies, originals = np.array(self._joints, dtype=np.int64).reshape(-1, 2).T
         np.add.at(masses, originals, masses[copies])
-        masses[copies] = np.inf
-        mobility = np.tile(1.0 / masses, (self.axes, 1))
+        masses[copies], points[:, copies] = 0.0, points[:, originals]
+        moves = np.full(points.shape, True)
+        moves[:, copies] = False
         for node, held in self._held.items():
-            mobility[held, node] = 0.0
-        points[:, copies] = points[:, originals]
-        masses[copies] = 0.0
+            moves[held, node] = False
+        if (massless := moves & (masses == 0.0)).any():
+            raise RopewalkError(f"node {np.nonzero(massless)[1][0]} has no mass; give it one, or hold it")
+        mobility = np.divide(1.0, masses, where=moves, out=np.zeros(points.shape))
         model.set(mobility=mobility, joint_copy=copies, joint_original=originals)
         model.weight[-1] = -self.gravity * masses
         state.position[:] = points

@@ -73,7 +73,7 @@ class Block:
         size = library().rw_layout(PARTS.index(part), counts.ctypes.data, ctypes.addressof(seal))
         if size == 0:
             raise RopewalkError(
-                f"sizes of a structure: {dict(sizes)}; it needs 2 or 3 AXES, NODES, and VISCOUS = 0 or NODES"
+                f"sizes {dict(sizes)}: a structure needs AXES = 2 or 3, NODES, and VISCOUS = 0 or NODES"
             )
         store = np.zeros(size + _LINE, dtype=np.uint8)
         start = -store.ctypes.data % _LINE
