@@ -108,11 +108,12 @@ struct Sweep {
 
     // Nodes a, a + 1 ... a + n - 1 of the run.
     void block(I64 a, I64 n) {
-        const bool ends = a + n == links;
+        const I64 rest = links - a;  // number of the last node from here
+        const bool ends = n == rest;
         if (a == 0) begin();
         if constexpr (CURVED) {
-            find_bends(a, ends ? n - 1 : n + 1);
-            if (ends) clear(BEND, n);
+            find_bends(a, n + 1);
+            if (rest <= n + 1) clear(BEND, rest);
             find_forces(a, ends ? n : n + 1);
             find_moments(n + 1);
             if (a == 0) clear(MOMENT, 0);
