@@ -27,8 +27,9 @@ def rope(links: int = 40, axes: int = 2, run: Run = ROPE, sag: float = 0.8) -> B
     return Bound(*builder.build())
 
 
-def bridge(axes: int = 2, damping: float = 0.0) -> Bound:
-    """A cable, a deck with bending stiffness in two joined runs of 12 links, and ties between them."""
+def bridge(axes: int = 2, damping: float = 0.0, ties: bool = True) -> Bound:
+    """A cable, a deck with bending stiffness in two joined runs of 12 links, and ties between them, which do not push
+    if `ties`."""
     builder, span = Builder(axes), 24.0
     cable, _ = (ends := builder.add_run(parabola(0.0, span, 24, 2.0, axes), Run(1.02, 2.0, 3e5, damping)))
     builder.hold(*ends)
@@ -39,13 +40,13 @@ def bridge(axes: int = 2, damping: float = 0.0) -> Bound:
     again, last = builder.add_run(flat[:, 12:], deck)
     builder.hold(first, last)
     builder.join(again, middle)
-    hanger = Spring(2e4, 1.5, damping, tension_only=True)
+    hanger = Spring(2e4, 1.5, damping, tension_only=ties)
     for k in range(3, 24, 3):
         builder.add_spring(cable + k, first + k if k < 12 else again + k - 12, hanger)
     return Bound(*builder.build())
 
 
-def tripod(axes: int = 3, damping: float = 0.0) -> Bound:
+def tripod(axes: int = 3, damping: float = 0.0, ties: bool = True) -> Bound:
     """Three runs of straight links that meet in a node with a mass, which hangs on a spring from a held one."""
     builder = Builder(axes)
     top, knot = builder.add_node([0.0] * (axes - 1) + [2.0], 0.0), builder.add_node([0.0] * axes, 3.0)
@@ -56,7 +57,7 @@ def tripod(axes: int = 3, damping: float = 0.0) -> Bound:
         end = np.array([*corner[: axes - 1], corner[-1]])
         points = end.reshape(-1, 1) * (np.arange(links + 1) / links)
         length = float(np.sqrt(sum(float(x) * float(x) for x in end))) / links
-        run = Run(length * 1.001, 0.5, 2e4, damping, curved=False, tension_only=True)
+        run = Run(length * 1.001, 0.5, 2e4, damping, curved=False, tension_only=ties)
         begin, held = builder.add_run(points, run)
         builder.hold(held)
         builder.join(begin, knot)
