@@ -28,8 +28,7 @@ def rope(links: int = 40, axes: int = 2, run: Run = ROPE, sag: float = 0.8) -> B
 
 
 def bridge(axes: int = 2, damping: float = 0.0, ties: bool = True) -> Bound:
-    """A cable, a deck with bending stiffness in two joined runs of 12 links, and ties between them, which do not push
-    if `ties`."""
+    """A cable with clamps, a deck with bending stiffness in two joined runs, and hangers, which push unless `ties`."""
     builder, span = Builder(axes), 24.0
     cable, _ = (ends := builder.add_run(parabola(0.0, span, 24, 2.0, axes), Run(1.02, 2.0, 3e5, damping)))
     builder.hold(*ends)
@@ -42,6 +41,7 @@ def bridge(axes: int = 2, damping: float = 0.0, ties: bool = True) -> Bound:
     builder.join(again, middle)
     hanger = Spring(2e4, 1.5, damping, tension_only=ties)
     for k in range(3, 24, 3):
+        builder.add_mass(cable + k, 4.0)
         builder.add_spring(cable + k, first + k if k < 12 else again + k - 12, hanger)
     return Bound(*builder.build())
 

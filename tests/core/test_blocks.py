@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from core_structures import bridge, rope
 
+from core_structures import bridge, rope
 from ropewalk.engine.bound import Bound
 from ropewalk.engine.library import library
 from ropewalk.engine.model import Block, dimensions, fields

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from core_structures import STRUCTURES, rope
 from numpy.typing import NDArray
 
+from core_structures import STRUCTURES, rope
 from ropewalk.engine.bound import Bound
 from ropewalk.engine.builder import Run
 
@@ -124,6 +124,8 @@ def test_length_of_a_curved_link_is_that_of_its_arc() -> None:
         angle = np.linspace(0.0, 1.0, links + 1)
         bound = rope(links, run=Run(10.0 / links, 1.0, 1.0))
         bound.state.position[:] = 10.0 * np.array([np.sin(angle), np.cos(angle)])
-        tension = (bound.forces() - bound.model.weight)[:, links // 2 + 1 :].sum(axis=1)  # on one half: of the link in the middle
+        tension = (bound.forces() - bound.model.weight)[:, links // 2 + 1 :].sum(
+            axis=1
+        )  # on one half: of the link in the middle
         strains.append(float(np.hypot(*tension)))
     assert strains[0] / strains[1] == pytest.approx(16.0, rel=0.05)

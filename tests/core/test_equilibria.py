@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from core_structures import bridge, tripod
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from core_structures import bridge, tripod
 from ropewalk.engine.bound import Bound
 from ropewalk.engine.builder import Builder, Run, Spring
 from ropewalk.engine.equilibrium import find_equilibrium

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 
 import numpy as np
 import pytest
 import scipy.linalg
-from core_structures import bridge, rope, tripod
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from core_structures import bridge, rope, tripod
 from ropewalk.engine.bound import Bound
 from ropewalk.engine.builder import Builder, Run, Spring
 
@@ -83,7 +84,9 @@ def test_spring_pendulum_follows_its_equations_to_the_second_order() -> None:
 
     exact = solve_ivp(rates, (0.0, 2.0), [0.9, -0.7, 0.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-12).y[:2, -1]
     errors = [
-        float(np.linalg.norm(after(lambda: pendulum(Spring(k, length), (0.9, -0.7)), 2.0, n).state.position[:, 1] - exact))
+        float(
+            np.linalg.norm(after(lambda: pendulum(Spring(k, length), (0.9, -0.7)), 2.0, n).state.position[:, 1] - exact)
+        )
         for n in (400, 800, 1600)
     ]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
@@ -133,7 +136,9 @@ def test_taut_string_swings_with_its_frequency() -> None:
     bound.state.position[1] = shape
     bound.advance(count, dt)
     part = float(bound.state.position[1] @ shape / (shape @ shape))
-    assert part == pytest.approx(np.cos(w * count * dt), abs=1e-4)  # two periods; 1e-6 of the frequency is mesh and step
+    assert part == pytest.approx(
+        np.cos(w * count * dt), abs=1e-4
+    )  # two periods; 1e-6 of the frequency is mesh and step
 
 
 @pytest.mark.parametrize("make", SMOOTH)
@@ -209,8 +214,8 @@ def test_joints_and_springs_are_the_links_of_one_line() -> None:
     found = []
     for cuts in ((0, 20), (0, 1, 7, 20), tuple(range(21))):
         builder, ends = Builder(), list[int]()
-        pieces = [builder.add_run(points[:, a : b + 1], run) for a, b in zip(cuts, cuts[1:], strict=False)]
-        for before, behind in zip(pieces, pieces[1:], strict=False):
+        pieces = [builder.add_run(points[:, a : b + 1], run) for a, b in itertools.pairwise(cuts)]
+        for before, behind in itertools.pairwise(pieces):
             builder.join(behind[0], before[1])
             ends.append(behind[0])
         builder.hold(pieces[0][0], pieces[-1][1])
@@ -220,7 +225,7 @@ def test_joints_and_springs_are_the_links_of_one_line() -> None:
     builder = Builder()
     nodes = [builder.add_node(point, 0.5) for point in points.T]
     builder.hold(nodes[0], nodes[-1])
-    for a, b in zip(nodes, nodes[1:], strict=False):
+    for a, b in itertools.pairwise(nodes):
         builder.add_spring(a, b, Spring(1e4 / 0.5, 0.5, 20.0 / 0.5, tension_only=True))
     bound = Bound(*builder.build())
     bound.advance(800, 1e-3)

@@ -157,8 +157,8 @@ _FAULTS = {
     3: "is {value}; it holds {values}",
     4: "is node {value}; nodes are 0 to {last}",
     5: "is {value}; a run has at least one link, ends at node {last} at most and begins behind the one before it",
-    6: "is {value}; a copy is no inner node of a run and no original, is named once, has no mobility and no weight, and "
-    "has the position and velocity of its original",
+    6: "is {value}; a copy is no inner node of a run and no original, is named once, has no mobility, no weight, "
+    "and the position and velocity of its original",
     7: "is node {value}, which is the first node of the spring, too",
     8: "is {value}; a structure with dampers needs VISCOUS = NODES",
 }

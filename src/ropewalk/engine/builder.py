@@ -46,6 +46,7 @@ class Builder:
     gravity: float = 9.81
     _points: list[Array] = field(default_factory=list)
     _masses: list[Array] = field(default_factory=list)
+    _added: list[tuple[int, float]] = field(default_factory=list)
     _held: dict[int, Array] = field(default_factory=dict)
     _runs: list[tuple[int, int, Run]] = field(default_factory=list)
     _springs: list[tuple[int, int, Spring]] = field(default_factory=list)
@@ -80,6 +81,10 @@ class Builder:
         self._masses.append(masses)
         return first
 
+    def add_mass(self, node: int, mass: float) -> None:
+        """Add a point mass, kg, at a node."""
+        self._added.append((node, mass))
+
     def add_spring(self, begin: int, end: int, spring: Spring) -> None:
         """Add a spring between two nodes."""
         self._springs.append((begin, end, spring))
@@ -106,6 +111,8 @@ class Builder:
                  "SPRINGS": len(self._springs), "JOINTS": len(self._joints)}  # fmt: skip
         model, state = Block("MODEL", sizes), Block("STATE", sizes)
         copies, originals = np.array(self._joints, dtype=np.int64).reshape(-1, 2).T
+        for node, mass in self._added:
+            masses[node] += mass
         np.add.at(masses, originals, masses[copies])
         masses[copies], points[:, copies] = 0.0, points[:, originals]
         moves = np.full(points.shape, True)
