@@ -27,7 +27,7 @@ def rope(links: int = 40, axes: int = 2, run: Run = ROPE, sag: float = 0.8) -> B
     return Bound(*builder.build())
 
 
-def bridge(axes: int = 2, damping: float = 0.0, ties: bool = True) -> Bound:
+def bridge(axes: int = 2, damping: float = 0.0, ties: bool = True, force: float = 0.0) -> Bound:
     """A cable with clamps, a deck with bending stiffness in two joined runs, and hangers, which push unless `ties`."""
     builder, span = Builder(axes), 24.0
     cable, _ = (ends := builder.add_run(parabola(0.0, span, 24, 2.0, axes), Run(1.02, 2.0, 3e5, damping)))
@@ -39,6 +39,8 @@ def bridge(axes: int = 2, damping: float = 0.0, ties: bool = True) -> Bound:
     again, last = builder.add_run(flat[:, 12:], deck)
     builder.hold(first, last)
     builder.join(again, middle)
+    if force:
+        builder.add_force(1, [*[0.0] * (axes - 1), force], 2.0, 30.0)
     hanger = Spring(2e4, 1.5, damping, tension_only=ties)
     for k in range(3, 24, 3):
         builder.add_mass(cable + k, 4.0)
@@ -70,7 +72,7 @@ STRUCTURES = {
     "damped": lambda: rope(run=Run(0.5, 1.0, 1e4, 20.0, 2.0), links=131),
     "tension only": lambda: rope(run=Run(0.5, 1.0, 1e4, tension_only=True), links=257),
     "bridge": bridge, "damped bridge in space": lambda: bridge(3, 30.0),
-    "tripod": tripod, "damped tripod": lambda: tripod(2, 5.0),
+    "bridge under a force": lambda: bridge(force=-500.0), "tripod": tripod, "damped tripod": lambda: tripod(2, 5.0),
 }  # fmt: skip
 """One of each kind: both dimensions, links of both kinds, damped or not, joints, springs, blocks that end anywhere."""
 

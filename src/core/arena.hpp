@@ -15,7 +15,7 @@ enum Dimension : I64 {
     DIMENSIONS
 };
 enum class Part : I64 { MODEL, STATE, WORK };
-enum class Values : I64 { FINITE, NOT_NEGATIVE, POSITIVE, FLAG, COUNT, NODE };
+enum class Values : I64 { FINITE, NOT_NEGATIVE, POSITIVE, FLAG, COUNT, NODE, RUN };
 
 // The table as text: what Python reads, and what the seal of every block is made of.
 constexpr char TABLE[] =
@@ -60,6 +60,7 @@ constexpr I64 MARGIN = 16;  // numbers behind every row, and around those of the
 constexpr I64 SCRATCH_ROWS = 5;  // for each axis
 constexpr I64 SCRATCH_ROW = BLOCK + 2 * MARGIN;
 constexpr I64 SCRATCH_SIZE = 3 * SCRATCH_ROWS * SCRATCH_ROW;
+constexpr I64 SHARED = 8;    // nodes that share the point of a contact, one after the other
 constexpr I64 HEADER = 256;  // bytes
 
 struct Header {
@@ -118,7 +119,7 @@ struct Cursor {
 };
 
 struct Model {
-    I64 axes, nodes, viscous, runs, springs, joints;
+    I64 axes, nodes, viscous, runs, springs, joints, contacts;
     I64 stride;  // of arrays of nodes
 #define DIMENSION(...)
 #define MODEL(name, type, ...) View<const type> name;
@@ -129,7 +130,7 @@ struct Model {
     explicit Model(Arena arena) {
         const I64* counts = arena.header().counts;
         axes = counts[AXES], nodes = counts[NODES], viscous = counts[VISCOUS];
-        runs = counts[RUNS], springs = counts[SPRINGS], joints = counts[JOINTS];
+        runs = counts[RUNS], springs = counts[SPRINGS], joints = counts[JOINTS], contacts = counts[CONTACTS];
         stride = stride_of(nodes);
         Cursor cursor(arena);
 #define DIMENSION(...)

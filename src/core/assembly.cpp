@@ -1,6 +1,7 @@
 #include "assembly.hpp"
 
 #include "link.hpp"
+#include "stencil.hpp"
 
 namespace RW_VARIANT {
 
@@ -38,9 +39,17 @@ static void scatter(const double* values, I64 stride, const I64* nodes, double* 
     for (int i = 0; i < E::UNKNOWNS; i++) to[i % AXES * stride + nodes[i / AXES]] += values[i];
 }
 
-static void set_weights(const Model& m, double* forces) {
+// Weights of nodes, and the forces of loads where their contacts are.
+static void set_loads(const Model& m, const State& s, double* forces) {
     for (I64 axis = 0; axis < m.axes; axis++)
         for (I64 i = 0; i < m.nodes; i++) forces[axis * m.nodes + i] = m.weight[axis * m.stride + i];
+    for (I64 k = 0; k < m.contacts; k++) {
+        const Share share = share_of(m, s, k);
+        for (I64 axis = 0; axis < m.axes; axis++) {
+            const double force = m.contact_force[axis * stride_of(m.contacts) + k];
+            for (I64 j = 0; j < share.count; j++) forces[axis * m.nodes + share.first + j] += share.weight[j] * force;
+        }
+    }
 }
 
 template <int AXES>
@@ -52,7 +61,7 @@ struct Assembly {
     explicit Assembly(const Blocks& blocks) : m(blocks.model), s(blocks.state), c{s.time[0], 0.0} {}
 
     void forces(const double* velocities, double* forces) const {
-        set_weights(m, forces);
+        set_loads(m, s, forces);
         visit_elements<AXES>(m, [&]<class E>(const auto& p, const I64* nodes) {
             double x[E::UNKNOWNS], v[E::UNKNOWNS], f[E::UNKNOWNS]{};
             gather<E, AXES>(s.position.data, m.stride, nodes, x);
@@ -82,7 +91,7 @@ struct Assembly {
     }
 
     void matrices(const double* velocities, double* forces, I64* rows, I64* columns, double* K, double* C) const {
-        set_weights(m, forces);
+        set_loads(m, s, forces);
         visit_elements<AXES>(m, [&]<class E>(const auto& p, const I64* nodes) {
             constexpr int N = E::UNKNOWNS;
             double x[N], v[N], f[N];

@@ -5,7 +5,8 @@
 
 namespace RW_VARIANT {
 
-// Forces (axis, node) on all nodes at the positions of State and velocities (axis, node), N; weights included.
+// Forces (axis, node) on all nodes at the positions of State and velocities (axis, node), N; weights and loads
+// included.
 void add_forces(const Blocks& blocks, const double* velocities, double* forces);
 // Energies, J: of elements, of weights.
 void sum_energies(const Blocks& blocks, double* energies);

@@ -8,7 +8,7 @@ constexpr U64 SEAL = seal_of(TABLE);
 constexpr I64 LARGEST = 1ll << 31;
 
 bool complete(I64* counts) {
-    counts[ONE] = 1, counts[SCRATCH] = SCRATCH_SIZE;
+    counts[ONE] = 1, counts[SCRATCH] = SCRATCH_SIZE, counts[STENCIL] = SHARED;
     for (int i = 0; i < DIMENSIONS; i++)
         if (counts[i] < 0 || counts[i] > LARGEST) return false;
     const bool is_viscous = counts[VISCOUS] == counts[NODES];
@@ -37,12 +37,13 @@ static bool admits(Values values, double x) {
     if (is_nan(x) || absolute(x) == INFINITE) return false;
     return values == Values::FINITE || (values == Values::NOT_NEGATIVE ? x >= 0.0 : x > 0.0);
 }
-static Fault fault_of(const Field& field, const char* at, I64 nodes) {
+static Fault fault_of(const Field& field, const char* at, const I64* counts) {
     if (!field.is_index) {
         return admits(field.values, *reinterpret_cast<const double*>(at)) ? Fault::NONE : Fault::VALUE;
     }
     const I64 x = *reinterpret_cast<const I64*>(at);
-    if (field.values == Values::NODE) return x >= 0 && x < nodes ? Fault::NONE : Fault::INDEX;
+    if (field.values == Values::NODE) return x >= 0 && x < counts[NODES] ? Fault::NONE : Fault::INDEX;
+    if (field.values == Values::RUN) return x >= 0 && x < counts[RUNS] ? Fault::NONE : Fault::INDEX;
     return x >= 0 && x <= (field.values == Values::FLAG ? 1 : LARGEST) ? Fault::NONE : Fault::VALUE;
 }
 
@@ -56,7 +57,7 @@ static Finding check_values(Arena arena) {
         const I64 columns = header.counts[field.columns], stride = stride_of(columns);
         for (I64 row = 0; row < header.counts[field.rows]; row++, at += 8 * stride)
             for (I64 i = 0; i < columns; i++)
-                if (const Fault fault = fault_of(field, at + 8 * i, header.counts[NODES]); fault != Fault::NONE)
+                if (const Fault fault = fault_of(field, at + 8 * i, header.counts); fault != Fault::NONE)
                     return {fault, number, row * columns + i};
     }
     return {Fault::NONE, 0, 0};
@@ -139,6 +140,7 @@ static void prepare(const Model& m, Workspace& w) {
     for (I64 i = 0; i < m.axes * m.stride; i++) w.force[i] = 0.0;
     for (I64 i = 0; i < SCRATCH_SIZE; i++) w.scratch[i] = 0.0;
     for (I64 r = 0; r < m.runs; r++) w.run_pulled[r] = 0, w.run_uniform[r] = is_uniform(m, r);
+    for (I64 k = 0; k < m.contacts; k++) w.run_pulled[m.contact_run[k]] = 1;
     for (I64 k = 0; k < m.springs; k++) {
         if (const I64 run = run_around(m, m.spring_begin[k]); run >= 0) w.run_pulled[run] = 1;
         if (const I64 run = run_around(m, m.spring_end[k]); run >= 0) w.run_pulled[run] = 1;

@@ -4,6 +4,7 @@
 // call takes makes no difference to any bit.
 #pragma once
 
+#include "stencil.hpp"
 #include "sweep.hpp"
 
 namespace RW_VARIANT {
@@ -29,6 +30,8 @@ struct Motion {
         const double kick = s.lag[0] + 0.5 * dt;
         const Step step{kick, dt, 0.5 * dt / kick};
         pull_springs();
+        press_contacts();
+        sum_work(kick);
         for (I64 run = 0; run < m.runs; run++) {
             if (m.run_curved[run])
                 Sweep<AXES, VISCOUS, true>(m, s, w, step, run).run();
@@ -40,6 +43,8 @@ struct Motion {
         join(s.position, false);
         join(s.velocity, false);
         if constexpr (VISCOUS) join(s.predicted, false);
+        sum_work(kick);
+        for (I64 k = 0; k < m.contacts; k++) s.contact_place[k] += dt * s.contact_speed[k];
         s.time[0] += dt;
         s.lag[0] = 0.5 * dt;
     }
@@ -71,6 +76,34 @@ struct Motion {
         const I64 row = axis * m.stride;
         for (I64 j = 0; j < count; j++) values[j] = of[row + m.spring_end[k + j]] - of[row + m.spring_begin[k + j]];
         return values;
+    }
+
+    // Locate all contacts, and add the forces of loads to the nodes that share them.
+    void press_contacts() {
+        for (I64 k = 0; k < m.contacts; k++) {
+            const Share share = share_of(m, s, k);
+            w.contact_first[k] = share.first, w.contact_shared[k] = share.count;
+            for (I64 j = 0; j < share.count; j++) {
+                w.contact_weight[at(j, k)] = share.weight[j];
+                for (int axis = 0; axis < AXES; axis++)
+                    w.force[axis * m.stride + share.first + j] += share.weight[j] * m.contact_force[at(axis, k)];
+            }
+        }
+    }
+    I64 at(I64 row, I64 contact) const { return row * stride_of(m.contacts) + contact; }
+
+    // Half of the work that loads do in a kick, with the velocities of now.
+    void sum_work(double kick) {
+        for (I64 k = 0; k < m.contacts; k++) {
+            double power = 0.0;
+            for (I64 j = 0; j < w.contact_shared[k]; j++) {
+                for (int axis = 0; axis < AXES; axis++) {
+                    const double v = s.velocity[axis * m.stride + w.contact_first[k] + j];
+                    power += w.contact_weight[at(j, k)] * m.contact_force[at(axis, k)] * v;
+                }
+            }
+            s.contact_work[k] += 0.5 * kick * power;
+        }
     }
 
     // Add values of copies to those of the original nodes and clear them, or give copies the values of the originals.

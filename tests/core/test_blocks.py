@@ -55,7 +55,7 @@ def test_spoilt_entry_is_refused_by_name(name: str, entry: Any, value: float, me
 
 
 def test_every_field_is_checked_for_numbers() -> None:
-    sound = bridge(damping=1.0)
+    sound = bridge(damping=1.0, force=-5.0)
     for field in fields():
         if field.part == "WORK":
             continue

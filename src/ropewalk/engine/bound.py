@@ -155,7 +155,7 @@ _FAULTS = {
     1: "this is no block of this core; lay it out with Block",
     2: "Model, State and Workspace are of different structures",
     3: "is {value}; it holds {values}",
-    4: "is node {value}; nodes are 0 to {last}",
+    4: "is {kind} {value}; {kind}s are 0 to {last}",
     5: "is {value}; a run has at least one link, ends at node {last} at most and begins behind the one before it",
     6: "is {value}; a copy is no inner node of a run and no original, is named once, has no mobility, no weight, "
     "and the position and velocity of its original",
@@ -164,7 +164,7 @@ _FAULTS = {
 }
 _ADMITTED = {
     "FINITE": "finite numbers", "NOT_NEGATIVE": "finite numbers that are not negative", "POSITIVE": "positive numbers",
-    "FLAG": "0 or 1", "COUNT": "whole numbers that are not negative", "NODE": "nodes",
+    "FLAG": "0 or 1", "COUNT": "whole numbers that are not negative", "NODE": "nodes", "RUN": "runs",
 }  # fmt: skip
 
 
@@ -177,7 +177,8 @@ def _message(model: Block, state: Block, fault: int, number: int, entry: int) ->
     field = fields()[number]
     array: NDArray[Any] = getattr(model if field.part == "MODEL" else state, field.name)
     place = ", ".join(map(str, np.unravel_index(entry, array.shape)))
-    last = model.sizes["NODES"] - 1
+    kind = "run" if field.values == "RUN" else "node"
+    last = model.sizes[f"{kind.upper()}S"] - 1
     return f"{field.name}[{place}] " + _FAULTS[fault].format(
-        value=array.flat[entry], values=_ADMITTED[field.values], last=last
+        value=array.flat[entry], values=_ADMITTED[field.values], kind=kind, last=last
     )

@@ -50,6 +50,7 @@ class Builder:
     _held: dict[int, Array] = field(default_factory=dict)
     _runs: list[tuple[int, int, Run]] = field(default_factory=list)
     _springs: list[tuple[int, int, Spring]] = field(default_factory=list)
+    _forces: list[tuple[int, Array, float, float]] = field(default_factory=list)
     _joints: list[tuple[int, int]] = field(default_factory=list)
 
     def add_node(self, point: ArrayLike, mass: float) -> int:
@@ -95,6 +96,17 @@ class Builder:
             held = self._held.setdefault(node, np.zeros(self.axes, dtype=bool))
             held[list(range(self.axes) if axes is None else axes)] = True
 
+    def add_force(self, run: int, force: ArrayLike, place: float, speed: float) -> None:
+        """Add a constant force that moves along a run at a prescribed speed; beyond the ends of the run it is nothing.
+
+        Args:
+            run: number of the run, in the order they were added.
+            force: (axis,) N.
+            place: unstrained length up to it at the beginning, m.
+            speed: rate of that, m/s.
+        """
+        self._forces.append((run, np.asarray(force, dtype=float), place, speed))
+
     def join(self, copy: int, original: int) -> None:
         """Make two nodes the same point."""
         self._joints.append((copy, original))
@@ -108,7 +120,7 @@ class Builder:
         points, masses = np.concatenate(self._points, axis=1), np.concatenate(self._masses)
         damped = any(each.axial_damping for *_, each in self._runs) or any(s.damping for *_, s in self._springs)
         sizes = {"AXES": self.axes, "NODES": masses.size, "VISCOUS": masses.size * damped, "RUNS": len(self._runs),
-                 "SPRINGS": len(self._springs), "JOINTS": len(self._joints)}  # fmt: skip
+                 "SPRINGS": len(self._springs), "JOINTS": len(self._joints), "CONTACTS": len(self._forces)}  # fmt: skip
         model, state = Block("MODEL", sizes), Block("STATE", sizes)
         copies, originals = np.array(self._joints, dtype=np.int64).reshape(-1, 2).T
         for node, mass in self._added:
@@ -125,6 +137,9 @@ class Builder:
         model.set(mobility=mobility, joint_copy=copies, joint_original=originals)
         model.weight[-1] = -self.gravity * masses
         state.position[:] = points
+        for k, (run, force, place, speed) in enumerate(self._forces):
+            model.contact_run[k], model.contact_force[:, k] = run, force
+            state.contact_place[k], state.contact_speed[k] = place, speed
         for rows in (self._run_rows(), self._spring_rows()):
             for name in rows[0] if rows else ():
                 model.set(**{name: [row[name] for row in rows]})
