@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from core_structures import bridge, rope, tripod
 from ropewalk.engine.bound import Bound
-from ropewalk.engine.builder import Run
+from ropewalk.engine.builder import RunProperties
 from ropewalk.engine.library import library, variants
 
 PAGE, MOST = mmap.PAGESIZE, 1 << 20
@@ -79,7 +79,7 @@ def main(path: str, seconds: float, seed: int) -> None:
     core, draw = library(Path(path)), np.random.default_rng(seed)
     sources: list[Bound] = [
         rope(5),
-        rope(130, 3, Run(0.5, 1.0, 1e4, 9.0, curved=False)),
+        rope(130, 3, RunProperties(0.5, 1.0, 1e4, 9.0, curved=False)),
         bridge(),
         bridge(3, 9.0),
         tripod(),

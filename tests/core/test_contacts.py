@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from core_structures import parabola
 from ropewalk.engine.bound import Bound
-from ropewalk.engine.builder import Builder, Run
+from ropewalk.engine.builder import Builder, RunProperties
 
 Array = NDArray[np.float64]
 LENGTH, TENSION, MASS, FORCE, PART = 1.0, 1000.0, 1.0, 0.01, 0.5
@@ -19,7 +19,7 @@ def string_under_force(links: int, EA: float = 1e6) -> Bound:
     stretch, speed = 1.0 + TENSION / EA, PART * np.sqrt(TENSION / MASS)
     builder = Builder(gravity=0.0)
     points = np.array([np.linspace(0.0, LENGTH, links + 1), np.zeros(links + 1)])
-    builder.hold(*builder.add_run(points, Run(LENGTH / links / stretch, MASS * stretch, EA)))
+    builder.fix(*builder.add_run(points, RunProperties(LENGTH / links / stretch, MASS * stretch, EA)))
     builder.add_force(0, [0.0, -FORCE], 0.0, speed / stretch)
     return Bound(*builder.build())
 
@@ -50,7 +50,7 @@ def test_work_of_a_travelling_force_is_the_energy_of_the_line() -> None:
     missing = []
     for steps in (1000, 2000):
         builder = Builder()
-        builder.hold(*builder.add_run(parabola(0.0, 9.9, 20, 0.8), Run(0.5, 1.0, 1e4, bending_stiffness=3.0)))
+        builder.fix(*builder.add_run(parabola(0.0, 9.9, 20, 0.8), RunProperties(0.5, 1.0, 1e4, bending_stiffness=3.0)))
         builder.add_force(0, [30.0, -100.0], 2.0, 4.0)
         bound = Bound(*builder.build())
         begin = sum(bound.potentials())
@@ -85,7 +85,7 @@ def test_weights_of_a_contact_bear_force_and_moment(links: int) -> None:
     """The sum of the forces on all nodes is the load, and a straight line is reproduced."""
     builder = Builder(gravity=0.0)
     points = np.array([np.arange(links + 1.0), np.zeros(links + 1)])
-    builder.add_run(points, Run(1.0, 1.0, 0.0, curved=False))
+    builder.add_run(points, RunProperties(1.0, 1.0, 0.0, curved=False))
     for place in np.linspace(0.0, links, 23):
         builder.add_force(0, [0.0, 1.0], place, 0.0)
     bound = Bound(*builder.build())

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from core_structures import STRUCTURES, rope
 from ropewalk.engine.bound import Bound
-from ropewalk.engine.builder import Run
+from ropewalk.engine.builder import RunProperties
 
 Array = NDArray[np.float64]
 KINDS = pytest.mark.parametrize("kind", STRUCTURES)
@@ -89,7 +89,7 @@ def test_a_step_feels_the_forces_of_the_elements(kind: str) -> None:
 @pytest.mark.parametrize("links", [1, 2, 3, 5, 7, 8, 9, 126, 127, 128, 129, 130, 131, 255, 256, 257, 258])
 @pytest.mark.parametrize("curved", [True, False])
 def test_runs_end_anywhere_in_a_block(links: int, curved: bool) -> None:
-    bound, draw = rope(links, run=Run(0.5, 1.0, 1e4, 20.0, 2.0, curved=curved)), np.random.default_rng(links)
+    bound, draw = rope(links, run=RunProperties(0.5, 1.0, 1e4, 20.0, 2.0, curved=curved)), np.random.default_rng(links)
     bound.state.position[:] += 0.02 * draw.normal(size=bound.state.position.shape)
     bound.work.memory.flags.writeable = True
     bound.work._views()["scratch"][:] = np.nan  # nothing of it is used that has not been computed
@@ -98,7 +98,7 @@ def test_runs_end_anywhere_in_a_block(links: int, curved: bool) -> None:
 
 def test_links_that_do_not_push_are_without_force_when_slack() -> None:
     for curved in (False, True):
-        bound = rope(run=Run(0.5, 1.0, 1e4, 20.0, tension_only=True, curved=curved))
+        bound = rope(run=RunProperties(0.5, 1.0, 1e4, 20.0, tension_only=True, curved=curved))
         bound.state.position[:] *= 0.5
         assert not np.any(bound.forces(np.ones(bound.state.position.shape)) - bound.model.weight)
         assert bound.potentials().elastic == 0.0
@@ -110,7 +110,7 @@ def test_energy_of_a_bent_run_is_that_of_a_beam() -> None:
     for links in (50, 100):
         angle = np.linspace(0.0, 1.0, links + 1)
         chord = 2.0 * 10.0 * np.sin(0.5 / links)
-        bound = rope(links, run=Run(chord, 1.0, 0.0, 0.0, 5e3))
+        bound = rope(links, run=RunProperties(chord, 1.0, 0.0, 0.0, 5e3))
         bound.state.position[:] = 10.0 * np.array([np.sin(angle), np.cos(angle)])
         found.append(bound.potentials().elastic / (5e3 * 10.0 / (2.0 * 10.0**2)) - 1.0)
     assert found[0] / found[1] == pytest.approx(2.0, rel=0.05)  # the share of the ends halves with the mesh
@@ -122,7 +122,7 @@ def test_length_of_a_curved_link_is_that_of_its_arc() -> None:
     strains = []
     for links in (8, 16):
         angle = np.linspace(0.0, 1.0, links + 1)
-        bound = rope(links, run=Run(10.0 / links, 1.0, 1.0))
+        bound = rope(links, run=RunProperties(10.0 / links, 1.0, 1.0))
         bound.state.position[:] = 10.0 * np.array([np.sin(angle), np.cos(angle)])
         tension = (bound.forces() - bound.model.weight)[:, links // 2 + 1 :].sum(
             axis=1

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 
 from core_structures import bridge, tripod
 from ropewalk.engine.bound import Bound
-from ropewalk.engine.builder import Builder, Run, Spring
+from ropewalk.engine.builder import Builder, RunProperties, SpringProperties
 from ropewalk.engine.equilibrium import find_equilibrium
 
 Array = NDArray[np.float64]
@@ -28,8 +28,8 @@ def drawing(kind: str, links: int) -> Array:
 
 def slack_rope(links: int, kind: str = "sag", tension_only: bool = False) -> Bound:
     builder = Builder()
-    run = Run(LENGTH / links, MASS, EA, tension_only=tension_only)
-    builder.hold(*builder.add_run(drawing(kind, links), run))
+    run = RunProperties(LENGTH / links, MASS, EA, tension_only=tension_only)
+    builder.fix(*builder.add_run(drawing(kind, links), run))
     return Bound(*builder.build())
 
 
@@ -76,9 +76,9 @@ def test_three_springs_bear_a_weight_as_their_triangle_says() -> None:
     builder = Builder()
     left, right = builder.add_node([-3.0, 0.0], 0.0), builder.add_node([3.0, 0.0], 0.0)
     knot = builder.add_node([0.4, -0.1], 10.0)
-    builder.hold(left, right)
+    builder.fix(left, right)
     for end in (left, right):
-        builder.add_spring(end, knot, Spring(200.0, 3.0, tension_only=True))
+        builder.add_spring(end, knot, SpringProperties(200.0, 3.0, tension_only=True))
     bound = Bound(*builder.build())
     assert find_equilibrium(bound).outcome == "found"
 
@@ -102,8 +102,8 @@ def test_equilibrium_without_stability_is_named() -> None:
     """A mass exactly above its spring, which pushes."""
     builder = Builder()
     foot, top = builder.add_node([0.0, 0.0], 0.0), builder.add_node([0.0, 0.9], 1.0)
-    builder.hold(foot)
-    builder.add_spring(foot, top, Spring(98.1, 1.0))
+    builder.fix(foot)
+    builder.add_spring(foot, top, SpringProperties(98.1, 1.0))
     found = find_equilibrium(Bound(*builder.build()))
     assert found.outcome == "unstable"
 
@@ -117,9 +117,9 @@ def test_mass_without_support_has_no_equilibrium() -> None:
 def test_node_held_along_one_axis_slides_along_the_other() -> None:
     builder = Builder()
     top, ring = builder.add_node([1.0, 0.0], 0.0), builder.add_node([0.0, 5.0], 1.0)
-    builder.hold(top)
-    builder.hold(ring, axes=[0])
-    builder.add_spring(top, ring, Spring(100.0, 0.5, tension_only=True))
+    builder.fix(top)
+    builder.fix(ring, axes=[0])
+    builder.add_spring(top, ring, SpringProperties(100.0, 0.5, tension_only=True))
     bound = Bound(*builder.build())
     assert find_equilibrium(bound).outcome == "found"
     x, z = bound.state.position[:, ring]

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 
 from core_structures import bridge, rope, tripod
 from ropewalk.engine.bound import Bound
-from ropewalk.engine.builder import Builder, Run, Spring
+from ropewalk.engine.builder import Builder, RunProperties, SpringProperties
 
 Array = NDArray[np.float64]
 
@@ -25,11 +25,11 @@ SMOOTH: list[Callable[[], Bound]] = [
 """Structures without kinks of forces; the last two are damped."""
 
 
-def pendulum(spring: Spring, at: tuple[float, float], mass: float = 2.0) -> Bound:
+def pendulum(spring: SpringProperties, at: tuple[float, float], mass: float = 2.0) -> Bound:
     """A mass on a spring that hangs at the origin."""
     builder = Builder()
     top, bob = builder.add_node([0.0, 0.0], 0.0), builder.add_node(at, mass)
-    builder.hold(top)
+    builder.fix(top)
     builder.add_spring(top, bob, spring)
     return Bound(*builder.build())
 
@@ -37,9 +37,9 @@ def pendulum(spring: Spring, at: tuple[float, float], mass: float = 2.0) -> Boun
 def taut_string(links: int, EI: float = 0.0, curved: bool = True, EA: float = 1e9) -> Bound:
     """A string of 10 m, 0.5 kg/m, under 1000 N, without weight."""
     length, stretch = 10.0, 1.0 + 1000.0 / EA
-    run = Run(length / links / stretch, 0.5 * stretch, EA, 0.0, EI, curved=curved)
+    run = RunProperties(length / links / stretch, 0.5 * stretch, EA, 0.0, EI, curved=curved)
     builder = Builder(gravity=0.0)
-    builder.hold(*builder.add_run(np.array([np.linspace(0.0, length, links + 1), np.zeros(links + 1)]), run))
+    builder.fix(*builder.add_run(np.array([np.linspace(0.0, length, links + 1), np.zeros(links + 1)]), run))
     return Bound(*builder.build())
 
 
@@ -67,7 +67,7 @@ def test_mass_on_a_spring_moves_as_verlets_method_solves_it_exactly() -> None:
     """x = A cos(w' t) about the sag with sin(w' dt/2) = w dt/2."""
     k, m, g, dt, count = 200.0, 2.0, 9.81, 0.01, 1000
     sag, amplitude = 1.0 + m * g / k, 0.3
-    bound = pendulum(Spring(k, 1.0), (0.0, -sag - amplitude))
+    bound = pendulum(SpringProperties(k, 1.0), (0.0, -sag - amplitude))
     bound.advance(count, dt)
     w = 2.0 / dt * np.arcsin(0.5 * dt * np.sqrt(k / m))
     # rounding adds up over 1000 steps
@@ -85,7 +85,9 @@ def test_spring_pendulum_follows_its_equations_to_the_second_order() -> None:
     exact = solve_ivp(rates, (0.0, 2.0), [0.9, -0.7, 0.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-12).y[:2, -1]
     errors = [
         float(
-            np.linalg.norm(after(lambda: pendulum(Spring(k, length), (0.9, -0.7)), 2.0, n).state.position[:, 1] - exact)
+            np.linalg.norm(
+                after(lambda: pendulum(SpringProperties(k, length), (0.9, -0.7)), 2.0, n).state.position[:, 1] - exact
+            )
         )
         for n in (400, 800, 1600)
     ]
@@ -100,7 +102,9 @@ def test_damped_spring_decays_as_exact_to_the_second_order() -> None:
     a, w = c / (2.0 * m), np.sqrt(k / m - (c / (2.0 * m)) ** 2)
     exact = -1.0 - sag - 0.3 * np.exp(-a * 2.0) * (np.cos(w * 2.0) + a / w * np.sin(w * 2.0))
     errors = [
-        abs(after(lambda: pendulum(Spring(k, 1.0, c), (0.0, -1.3 - sag)), 2.0, n).state.position[1, 1] - exact)
+        abs(
+            after(lambda: pendulum(SpringProperties(k, 1.0, c), (0.0, -1.3 - sag)), 2.0, n).state.position[1, 1] - exact
+        )
         for n in (400, 800, 1600)
     ]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
@@ -174,7 +178,7 @@ def test_energy_is_kept_to_the_second_order_without_drift(make: Callable[[], Bou
 def test_verlets_energy_of_a_spring_is_kept_to_rounding() -> None:
     """m v^2/2 + k x(t) x(t + dt)/2, v in between, x from the sag."""
     k, m, dt, sag = 200.0, 2.0, 0.02, 1.0 + 2.0 * 9.81 / 200.0
-    bound = pendulum(Spring(k, 1.0), (0.0, -sag - 0.3))
+    bound = pendulum(SpringProperties(k, 1.0), (0.0, -sag - 0.3))
     found = []
     for _ in range(500):
         before = bound.state.position[1, 1] + sag
@@ -187,9 +191,11 @@ def test_verlets_energy_of_a_spring_is_kept_to_rounding() -> None:
 def test_momentum_of_a_free_line_is_kept_to_rounding(axes: int) -> None:
     """Linear and angular momentum of two joined stiff damped lines and springs in free flight."""
     builder, draw = Builder(axes, gravity=0.0), np.random.default_rng(4)
-    lines = [builder.add_run(draw.normal(size=(axes, n + 1)), Run(0.3, 1.0, 300.0, 0.1, 2.0)) for n in (9, 140)]
+    lines = [
+        builder.add_run(draw.normal(size=(axes, n + 1)), RunProperties(0.3, 1.0, 300.0, 0.1, 2.0)) for n in (9, 140)
+    ]
     builder.join(lines[1][0], lines[0][1])
-    builder.add_spring(2, 33, Spring(50.0, 0.5, 0.2))
+    builder.add_spring(2, 33, SpringProperties(50.0, 0.5, 0.2))
     bound = Bound(*builder.build())
     moves = bound.model.mobility[0] > 0.0
     masses = 1.0 / bound.model.mobility[0, moves]
@@ -210,7 +216,7 @@ def test_momentum_of_a_free_line_is_kept_to_rounding(axes: int) -> None:
 def test_joints_and_springs_are_the_links_of_one_line() -> None:
     """Straight links as one run, as runs joined at any node, and as springs."""
     points = np.array([np.linspace(0.0, 9.9, 21), np.zeros(21)])
-    run = Run(0.5, 1.0, 1e4, 20.0, tension_only=True, curved=False)
+    run = RunProperties(0.5, 1.0, 1e4, 20.0, tension_only=True, curved=False)
     found = []
     for cuts in ((0, 20), (0, 1, 7, 20), tuple(range(21))):
         builder, ends = Builder(), list[int]()
@@ -218,15 +224,15 @@ def test_joints_and_springs_are_the_links_of_one_line() -> None:
         for before, behind in itertools.pairwise(pieces):
             builder.join(behind[0], before[1])
             ends.append(behind[0])
-        builder.hold(pieces[0][0], pieces[-1][1])
+        builder.fix(pieces[0][0], pieces[-1][1])
         bound = Bound(*builder.build())
         bound.advance(800, 1e-3)
         found.append(np.delete(bound.state.position, ends, axis=1))
     builder = Builder()
     nodes = [builder.add_node(point, 0.5) for point in points.T]
-    builder.hold(nodes[0], nodes[-1])
+    builder.fix(nodes[0], nodes[-1])
     for a, b in itertools.pairwise(nodes):
-        builder.add_spring(a, b, Spring(1e4 / 0.5, 0.5, 20.0 / 0.5, tension_only=True))
+        builder.add_spring(a, b, SpringProperties(1e4 / 0.5, 0.5, 20.0 / 0.5, tension_only=True))
     bound = Bound(*builder.build())
     bound.advance(800, 1e-3)
     assert bound.state.position[1].min() < -0.5

@@ -34,7 +34,7 @@ class Potentials(NamedTuple):
     weight: float
 
 
-class Linearised(NamedTuple):
+class TangentMatrices(NamedTuple):
     """Forces (axis, node) and their derivatives (axis * nodes + node, the same) at a state."""
 
     forces: Array
@@ -116,7 +116,7 @@ class Bound:
         moves = self.model.mobility > 0.0
         return float(0.5 * np.sum(self.velocities()[moves] ** 2 / self.model.mobility[moves]))
 
-    def linearise(self, velocities: Array | None = None) -> Linearised:
+    def linearise(self, velocities: Array | None = None) -> TangentMatrices:
         """Return forces, K = -df/dr and C = -df/dv at the positions of the State.
 
         Args:
@@ -129,7 +129,7 @@ class Bound:
         arrays = (rates, forces, rows, columns, K, C)
         library().rw_linearise(self._bases, *(each.ctypes.data for each in arrays))
         matrices = (sparse.csc_matrix((each, (rows, columns)), shape=(forces.size, forces.size)) for each in (K, C))
-        return Linearised(forces, *matrices)
+        return TangentMatrices(forces, *matrices)
 
     def unknowns(self) -> sparse.csc_matrix:
         """Return what free coordinates move: (axis * nodes + node, coordinate), 1 where they are the same."""
@@ -142,7 +142,8 @@ class Bound:
 
     def _joined(self, forces: Array) -> Array:
         sums = forces.copy()
-        np.add.at(sums, (slice(None), self.model.joint_original), forces[:, self.model.joint_copy])
+        for row, force in zip(sums, forces, strict=True):
+            np.add.at(row, self.model.joint_original, force[self.model.joint_copy])
         return sums
 
     def _rates(self, velocities: Array | None) -> Array:

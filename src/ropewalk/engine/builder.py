@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Run:
+class RunProperties:
     """Properties of a run."""
 
     link_length: float
@@ -29,7 +29,7 @@ class Run:
 
 
 @dataclass(frozen=True)
-class Spring:
+class SpringProperties:
     """Properties of a spring between two nodes."""
 
     stiffness: float
@@ -47,9 +47,9 @@ class Builder:
     _points: list[Array] = field(default_factory=list)
     _masses: list[Array] = field(default_factory=list)
     _added: list[tuple[int, float]] = field(default_factory=list)
-    _held: dict[int, Array] = field(default_factory=dict)
-    _runs: list[tuple[int, int, Run]] = field(default_factory=list)
-    _springs: list[tuple[int, int, Spring]] = field(default_factory=list)
+    _fixed: dict[int, Array] = field(default_factory=dict)
+    _runs: list[tuple[int, int, RunProperties]] = field(default_factory=list)
+    _springs: list[tuple[int, int, SpringProperties]] = field(default_factory=list)
     _forces: list[tuple[int, Array, float, float]] = field(default_factory=list)
     _joints: list[tuple[int, int]] = field(default_factory=list)
 
@@ -62,7 +62,7 @@ class Builder:
         """
         return self._add(np.reshape(np.asarray(point, dtype=float), (self.axes, 1)), np.array([mass]))
 
-    def add_run(self, points: ArrayLike, run: Run) -> tuple[int, int]:
+    def add_run(self, points: ArrayLike, run: RunProperties) -> tuple[int, int]:
         """Add a run with a node at each point; return the numbers of the first and the last one.
 
         Args:
@@ -86,15 +86,15 @@ class Builder:
         """Add a point mass, kg, at a node."""
         self._added.append((node, mass))
 
-    def add_spring(self, begin: int, end: int, spring: Spring) -> None:
+    def add_spring(self, begin: int, end: int, spring: SpringProperties) -> None:
         """Add a spring between two nodes."""
         self._springs.append((begin, end, spring))
 
-    def hold(self, *nodes: int, axes: Iterable[int] | None = None) -> None:
+    def fix(self, *nodes: int, axes: Iterable[int] | None = None) -> None:
         """Prescribe velocities of nodes along some axes; None: all."""
         for node in nodes:
-            held = self._held.setdefault(node, np.zeros(self.axes, dtype=bool))
-            held[list(range(self.axes) if axes is None else axes)] = True
+            fixed = self._fixed.setdefault(node, np.zeros(self.axes, dtype=bool))
+            fixed[list(range(self.axes) if axes is None else axes)] = True
 
     def add_force(self, run: int, force: ArrayLike, place: float, speed: float) -> None:
         """Add a constant force that moves along a run at a prescribed speed; beyond the ends of the run it is nothing.
@@ -115,7 +115,7 @@ class Builder:
         """Return Model and State; nothing moves.
 
         Raises:
-            RopewalkError: a node that is not held has no mass.
+            RopewalkError: a node that is not fixed has no mass.
         """
         points, masses = np.concatenate(self._points, axis=1), np.concatenate(self._masses)
         damped = any(each.axial_damping for *_, each in self._runs) or any(s.damping for *_, s in self._springs)
@@ -129,8 +129,8 @@ class Builder:
         masses[copies], points[:, copies] = 0.0, points[:, originals]
         moves = np.full(points.shape, True)
         moves[:, copies] = False
-        for node, held in self._held.items():
-            moves[held, node] = False
+        for node, fixed in self._fixed.items():
+            moves[fixed, node] = False
         if (massless := moves & (masses == 0.0)).any():
             raise RopewalkError(f"node {np.nonzero(massless)[1][0]} has no mass; give it one, or hold it")
         mobility = np.divide(1.0, masses, where=moves, out=np.zeros(points.shape))

@@ -18,7 +18,7 @@ _ROUNDING = 1e-13
 """Of energies: changes below this part of them say nothing."""
 
 
-class Equilibrium(NamedTuple):
+class SearchOutcome(NamedTuple):
     """How the search has ended: in a minimum of the energy, at a saddle point, or not at all."""
 
     outcome: Literal["found", "unstable", "not found"]
@@ -27,7 +27,7 @@ class Equilibrium(NamedTuple):
     """Largest force that is not balanced, N."""
 
 
-def find_equilibrium(bound: Bound, iterations: int = 200) -> Equilibrium:
+def find_equilibrium(bound: Bound, iterations: int = 200) -> SearchOutcome:
     """Move the State to an equilibrium nearby, and set its velocities to zero.
 
     Args:
@@ -42,10 +42,10 @@ def find_equilibrium(bound: Bound, iterations: int = 200) -> Equilibrium:
         largest = float(np.abs(residual).max(initial=0.0))
         if largest <= TOLERANCE * float(np.abs(at.forces).max()):
             stable = residual.size == 0 or _factor(stiffness, 0.0) is not None
-            return Equilibrium("found" if stable else "unstable", count, largest)
+            return SearchOutcome("found" if stable else "unstable", count, largest)
         if count == iterations or not _descend(bound, free, residual, stiffness):
             break
-    return Equilibrium("not found", count, largest)
+    return SearchOutcome("not found", count, largest)
 
 
 def _descend(bound: Bound, free: sparse.csc_matrix, residual: Array, stiffness: sparse.csc_matrix) -> bool:

@@ -22,7 +22,7 @@ PARTS: tuple[Part, ...] = ("MODEL", "STATE", "WORK")
 _HEADER, _LINE, _MARGIN = 256, 64, 16
 
 
-class Field(NamedTuple):
+class FieldRow(NamedTuple):
     """An array of a block: a row of `fields.def`."""
 
     part: Part
@@ -40,9 +40,9 @@ class Field(NamedTuple):
 
 
 @cache
-def fields() -> tuple[Field, ...]:
+def fields() -> tuple[FieldRow, ...]:
     """Return the arrays of all blocks in the order of the table."""
-    return tuple(Field(line[0], *line[1:]) for line in _table() if line[0] != "DIMENSION")  # type: ignore[arg-type]
+    return tuple(FieldRow(line[0], *line[1:]) for line in _table() if line[0] != "DIMENSION")  # type: ignore[arg-type]
 
 
 @cache
