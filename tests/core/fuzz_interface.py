@@ -81,7 +81,7 @@ def main(path: str, seconds: float, seed: int) -> None:
         rope(5),
         rope(130, 3, RunProperties(0.5, 1.0, 1e4, 9.0, curved=False)),
         bridge(),
-        bridge(3, 9.0),
+        bridge(3, 9.0, force=-50.0),
         tripod(),
     ]
     pages, rounds, computed, end = [Guarded() for _ in range(3)], 0, 0, monotonic() + seconds
