@@ -18,7 +18,7 @@ FLAGS = (
     "-std=c++20", "-O3", "-ffreestanding", "-fno-exceptions", "-fno-rtti", "-fno-threadsafe-statics",
     "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math", "-Wall", "-Wextra", "-Werror",
 )  # fmt: skip
-CHECKED = ("-O1", "-g", "-fsanitize=undefined,bounds-strict", "-fsanitize-undefined-trap-on-error")
+CHECKED = ("-O1", "-g", "-fsanitize=undefined,bounds-strict", "-fsanitize-undefined-trap-on-error", "-DRW_CHECKED")
 """Flags of a build that stops at the first undefined operation, with GCC."""
 PROBE = """template<class T> concept Sums = requires(T t) { t + t; };
 template<Sums T> T twice(T x) { return x + x; }
@@ -99,7 +99,7 @@ def build(root: Path, folder: Path, *, checked: bool = False) -> Path:
         compiler = [sys.executable, "-m", "ziglang", "c++", "-target", target.zig]
     flags = [*FLAGS, *target.compiling, *(CHECKED if checked else ())]
     jobs = list[tuple[list[str], Path]]()
-    for source in ("api", "runtime"):
+    for source in ("api", "assembly", "bind", "runtime"):
         jobs.append(([str(root / "src" / "core" / f"{source}.cpp")], objects / f"{source}.o"))
     for name, own in VARIANTS.items():
         if name == "baseline" or "86" in tag or "amd" in tag:

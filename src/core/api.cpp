@@ -1,4 +1,5 @@
 // The interface of the core in plain C. Names begin with rw_; nothing is called back.
+#include "assembly.hpp"
 #include "variant.hpp"
 
 namespace baseline {
@@ -35,7 +36,7 @@ constexpr I64 COUNT = 1;
 #endif
 
 // Version of the interface: a library of another one is not used.
-RW_EXPORT I64 rw_version() { return 1; }
+RW_EXPORT I64 rw_version() { return 2; }
 
 // Number of the largest variant that runs here: 0 baseline, 1 AVX2, 2 AVX-512.
 RW_EXPORT I64 rw_best_variant() {
@@ -48,5 +49,55 @@ RW_EXPORT I64 rw_best_variant() {
 RW_EXPORT I64 rw_elementary(I64 variant, I64 function, I64 count, const double* x, const double* y, double* values) {
     if (variant < 0 || variant >= COUNT || !has(variant)) return -1;
     VARIANTS[variant]->elementary(function, count, x, y, values);
+    return 0;
+}
+
+// The table of fields.def, a line for each dimension and field.
+RW_EXPORT const char* rw_fields() { return baseline::TABLE; }
+
+// Complete the counts of a structure (one for each dimension) and return the bytes of the block of a part and its seal;
+// 0 bytes if the counts are none of a structure.
+RW_EXPORT I64 rw_layout(I64 part, I64* counts, U64* seal) {
+    *seal = baseline::seal_of(baseline::TABLE);
+    return baseline::complete(counts) ? baseline::bytes_of(static_cast<baseline::Part>(part), counts) : 0;
+}
+
+static baseline::Blocks blocks_of(char* const* bases) { return {{bases[0]}, {bases[1]}, {bases[2]}}; }
+
+// Check Model, State and Workspace (three addresses, three sizes); finding: fault, field and entry, faults as in Fault.
+RW_EXPORT I64 rw_bind(char* const* bases, const I64* bytes, I64* finding) {
+    const Finding found = baseline::bind(blocks_of(bases), bytes);
+    finding[0] = static_cast<I64>(found.fault), finding[1] = found.field, finding[2] = found.entry;
+    return finding[0];
+}
+
+// Functions below return -1 if blocks have not been bound, or there is no such variant here.
+
+// Take steps of dt s; returns 0, 1 if `stop` was set and 2 if positions are no numbers any more.
+RW_EXPORT I64 rw_advance(I64 variant, char* const* bases, I64 steps, double dt, const volatile I32* stop, I64* done) {
+    if (variant < 0 || variant >= COUNT || !has(variant) || !baseline::are_bound(blocks_of(bases))) return -1;
+    return VARIANTS[variant]->advance(bases[0], bases[1], bases[2], steps, dt, stop, done);
+}
+
+RW_EXPORT I64 rw_forces(char* const* bases, const double* velocities, double* forces) {
+    if (!baseline::are_bound(blocks_of(bases))) return -1;
+    baseline::add_forces(blocks_of(bases), velocities, forces);
+    return 0;
+}
+
+RW_EXPORT I64 rw_energies(char* const* bases, double* energies) {
+    if (!baseline::are_bound(blocks_of(bases))) return -1;
+    baseline::sum_energies(blocks_of(bases), energies);
+    return 0;
+}
+
+RW_EXPORT I64 rw_entries(char* const* bases) {
+    return baseline::are_bound(blocks_of(bases)) ? baseline::count_entries(blocks_of(bases)) : -1;
+}
+
+RW_EXPORT I64 rw_linearise(char* const* bases, const double* velocities, double* forces, I64* rows, I64* columns,
+                           double* K, double* C) {
+    if (!baseline::are_bound(blocks_of(bases))) return -1;
+    baseline::linearise_all(blocks_of(bases), velocities, forces, rows, columns, K, C);
     return 0;
 }

@@ -2,6 +2,7 @@
 #include "variant.hpp"
 
 #include "elementary.hpp"
+#include "motion.hpp"
 
 namespace RW_VARIANT {
 
@@ -19,7 +20,17 @@ static void elementary(I64 function, I64 count, const double* x, const double* y
     }
 }
 
+static I64 advance(char* model, char* state, char* work, I64 steps, double dt, const volatile I32* stop, I64* done) {
+    const Model m(Arena{model});
+    const State s(Arena{state});
+    Workspace w(Arena{work});
+    if (m.axes == 2 && m.viscous) return Motion<2, true>{m, s, w}.advance(steps, dt, stop, done);
+    if (m.axes == 2) return Motion<2, false>{m, s, w}.advance(steps, dt, stop, done);
+    if (m.viscous) return Motion<3, true>{m, s, w}.advance(steps, dt, stop, done);
+    return Motion<3, false>{m, s, w}.advance(steps, dt, stop, done);
+}
+
 extern const Variant functions;
-constexpr Variant functions{&elementary};
+constexpr Variant functions{&elementary, &advance};
 
 }  // namespace RW_VARIANT

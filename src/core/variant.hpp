@@ -6,4 +6,6 @@
 struct Variant {
     // Values (count,) of an elementary function by its number: exp, log, sin, cos, atan2, pow; the last two of x and y.
     void (*elementary)(I64 function, I64 count, const double* x, const double* y, double* values);
+    // Take so many steps of dt, less if `stop` is set; returns an Outcome and how many were taken.
+    I64 (*advance)(char* model, char* state, char* work, I64 steps, double dt, const volatile I32* stop, I64* done);
 };

@@ -6,14 +6,14 @@ import ctypes
 import sys
 from functools import cache
 from pathlib import Path
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ropewalk.errors import RopewalkError
 
-VERSION = 1
+VERSION = 2
 """Version of the interface that is spoken here."""
 VARIANTS = ("baseline", "avx2", "avx512")
 """Instruction sets that the core is compiled for, by their numbers; elsewhere than on x86-64 only the first."""
@@ -21,7 +21,14 @@ Elementary = Literal["exp", "log", "sin", "cos", "atan2", "pow"]
 _FUNCTIONS: tuple[str, ...] = get_args(Elementary)
 PATH = Path(__file__).with_name({"win32": "core.dll", "darwin": "core.dylib"}.get(sys.platform, "core.so"))
 """Path of the library."""
-_DOUBLES = ctypes.POINTER(ctypes.c_double)
+_NUMBER, _ADDRESS, _DOUBLES = ctypes.c_int64, ctypes.c_void_p, ctypes.POINTER(ctypes.c_double)
+_ARGUMENTS: dict[str, list[Any]] = {
+    "version": [], "best_variant": [], "elementary": [*[_NUMBER] * 3, *[_DOUBLES] * 3],
+    "layout": [_NUMBER, _ADDRESS, _ADDRESS], "bind": [_ADDRESS] * 3,
+    "advance": [_NUMBER, _ADDRESS, _NUMBER, ctypes.c_double, _ADDRESS, _ADDRESS],
+    "forces": [_ADDRESS] * 3, "energies": [_ADDRESS] * 2, "entries": [_ADDRESS], "linearise": [_ADDRESS] * 7,
+}  # fmt: skip
+"""Arguments of the functions of the core, which return whole numbers."""
 
 
 @cache
@@ -40,13 +47,16 @@ def library(path: Path = PATH) -> ctypes.CDLL:
         raise RopewalkError(
             f"{path.name}: the compiled core cannot be loaded ({error}); install ropewalk anew"
         ) from error
-    found.rw_version.restype = found.rw_best_variant.restype = found.rw_elementary.restype = ctypes.c_int64
-    found.rw_elementary.argtypes = [ctypes.c_int64] * 3 + [_DOUBLES] * 3
+    for name, arguments in _ARGUMENTS.items():
+        function = getattr(found, f"rw_{name}", None)
+        if function is not None:  # else of another version
+            function.argtypes, function.restype = arguments, ctypes.c_int64
     if (version := found.rw_version()) != VERSION:
         raise RopewalkError(
             f"{path.name}: the compiled core has version {version} of the interface, this package needs {VERSION}; "
             "install ropewalk anew (in a checkout: make core)"
         )
+    found.rw_fields.argtypes, found.rw_fields.restype = [], ctypes.c_char_p
     return found
 
 

@@ -1,0 +1,136 @@
+#include "assembly.hpp"
+
+#include "link.hpp"
+#include "stencil.hpp"
+
+namespace RW_VARIANT {
+
+// Call visit<E>(parameters, nodes) for every element E of a model.
+template <int AXES, class Visit>
+static void visit_elements(const Model& m, Visit visit) {
+    for (I64 r = 0; r < m.runs; r++) {
+        Links p = links_of(m, r);
+        const I64 first = m.run_first[r], last = first + m.run_links[r];
+        for (I64 i = first; i < last; i++) {
+            p.begins = i == first, p.ends = i + 1 == last;
+            const I64 nodes[] = {p.begins ? i : i - 1, i, i + 1, p.ends ? i + 1 : i + 2};
+            if (m.run_curved[r])
+                visit.template operator()<Curved<AXES>>(p, nodes);
+            else
+                visit.template operator()<Straight<AXES>>(p.axial, nodes + 1);
+        }
+    }
+    for (I64 k = 0; k < m.springs; k++) {
+        const double stiffness = m.spring_stiffness[k];
+        const Axial<double> p{stiffness, stiffness * m.spring_length[k], m.spring_damping[k],
+                              floor_of(m.spring_tension_only[k])};
+        const I64 nodes[] = {m.spring_begin[k], m.spring_end[k]};
+        visit.template operator()<Straight<AXES>>(p, nodes);
+    }
+}
+
+// Values (axis, node) of an array with rows of so many numbers at the nodes of an element.
+template <class E, int AXES>
+static void gather(const double* from, I64 stride, const I64* nodes, double* values) {
+    for (int i = 0; i < E::UNKNOWNS; i++) values[i] = from[i % AXES * stride + nodes[i / AXES]];
+}
+template <class E, int AXES>
+static void scatter(const double* values, I64 stride, const I64* nodes, double* to) {
+    for (int i = 0; i < E::UNKNOWNS; i++) to[i % AXES * stride + nodes[i / AXES]] += values[i];
+}
+
+// Weights of nodes, and the forces of loads where their contacts are.
+static void set_loads(const Model& m, const State& s, double* forces) {
+    for (I64 axis = 0; axis < m.axes; axis++)
+        for (I64 i = 0; i < m.nodes; i++) forces[axis * m.nodes + i] = m.weight[axis * m.stride + i];
+    for (I64 k = 0; k < m.contacts; k++) {
+        const Share share = share_of(m, s, k);
+        for (I64 axis = 0; axis < m.axes; axis++) {
+            const double force = m.contact_force[axis * stride_of(m.contacts) + k];
+            for (I64 j = 0; j < share.count; j++) forces[axis * m.nodes + share.first + j] += share.weight[j] * force;
+        }
+    }
+}
+
+template <int AXES>
+struct Assembly {
+    const Model m;
+    const State s;
+    const Context c;
+
+    explicit Assembly(const Blocks& blocks) : m(blocks.model), s(blocks.state), c{s.time[0], 0.0} {}
+
+    void forces(const double* velocities, double* forces) const {
+        set_loads(m, s, forces);
+        visit_elements<AXES>(m, [&]<class E>(const auto& p, const I64* nodes) {
+            double x[E::UNKNOWNS], v[E::UNKNOWNS], f[E::UNKNOWNS]{};
+            gather<E, AXES>(s.position.data, m.stride, nodes, x);
+            gather<E, AXES>(velocities, m.nodes, nodes, v);
+            E::force(p, c, x, v, f);
+            scatter<E, AXES>(f, m.nodes, nodes, forces);
+        });
+    }
+
+    void energies(double* energies) const {
+        energies[0] = energies[1] = 0.0;
+        visit_elements<AXES>(m, [&]<class E>(const auto& p, const I64* nodes) {
+            double x[E::UNKNOWNS];
+            gather<E, AXES>(s.position.data, m.stride, nodes, x);
+            energies[0] += E::energy(p, c, x);
+        });
+        for (I64 axis = 0; axis < AXES; axis++)
+            for (I64 i = axis * m.stride; i < axis * m.stride + m.nodes; i++)
+                energies[1] -= m.weight[i] * s.position[i];
+    }
+
+    I64 entries() const {
+        I64 count = 0;
+        visit_elements<AXES>(
+            m, [&]<class E>(const auto&, const I64*) { count += static_cast<I64>(E::UNKNOWNS) * E::UNKNOWNS; });
+        return count;
+    }
+
+    void matrices(const double* velocities, double* forces, I64* rows, I64* columns, double* K, double* C) const {
+        set_loads(m, s, forces);
+        visit_elements<AXES>(m, [&]<class E>(const auto& p, const I64* nodes) {
+            constexpr int N = E::UNKNOWNS;
+            double x[N], v[N], f[N];
+            gather<E, AXES>(s.position.data, m.stride, nodes, x);
+            gather<E, AXES>(velocities, m.nodes, nodes, v);
+            linearise<E>(p, c, x, v, f, K, C);
+            scatter<E, AXES>(f, m.nodes, nodes, forces);
+            for (int i = 0; i < N; i++) {
+                for (int j = 0; j < N; j++) {
+                    rows[i * N + j] = i % AXES * m.nodes + nodes[i / AXES];
+                    columns[i * N + j] = j % AXES * m.nodes + nodes[j / AXES];
+                }
+            }
+            rows += N * N, columns += N * N, K += N * N, C += N * N;
+        });
+    }
+};
+
+// Call a function with the Assembly of as many axes as a model has.
+template <class Call>
+static auto with_assembly(const Blocks& blocks, Call call) {
+    return blocks.model.header().counts[AXES] == 2 ? call(Assembly<2>(blocks)) : call(Assembly<3>(blocks));
+}
+
+void add_forces(const Blocks& blocks, const double* velocities, double* forces) {
+    with_assembly(blocks, [&](const auto& all) { all.forces(velocities, forces); });
+}
+
+void sum_energies(const Blocks& blocks, double* energies) {
+    with_assembly(blocks, [&](const auto& all) { all.energies(energies); });
+}
+
+I64 count_entries(const Blocks& blocks) {
+    return with_assembly(blocks, [](const auto& all) { return all.entries(); });
+}
+
+void linearise_all(const Blocks& blocks, const double* velocities, double* forces, I64* rows, I64* columns, double* K,
+                   double* C) {
+    with_assembly(blocks, [&](const auto& all) { all.matrices(velocities, forces, rows, columns, K, C); });
+}
+
+}  // namespace RW_VARIANT

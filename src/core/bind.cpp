@@ -1,0 +1,185 @@
+#include "bind.hpp"
+
+#include "elementary.hpp"
+
+namespace RW_VARIANT {
+
+constexpr U64 SEAL = seal_of(TABLE);
+constexpr I64 LARGEST = 1ll << 31;
+
+bool complete(I64* counts) {
+    counts[ONE] = 1, counts[SCRATCH] = SCRATCH_SIZE, counts[STENCIL] = SHARED;
+    for (int i = 0; i < DIMENSIONS; i++)
+        if (counts[i] < 0 || counts[i] > LARGEST) return false;
+    const bool is_viscous = counts[VISCOUS] == counts[NODES];
+    return (counts[AXES] == 2 || counts[AXES] == 3) && counts[NODES] > 0 && (is_viscous || counts[VISCOUS] == 0);
+}
+
+I64 bytes_of(Part part, const I64* counts) {
+    I64 bytes = HEADER;
+    for (const Field& field : FIELDS)
+        if (field.part == part) bytes += 8 * size_of(field, counts);
+    return bytes;
+}
+
+static bool is_block(Arena arena, Part part, I64 bytes) {
+    if (!arena.base || reinterpret_cast<Size>(arena.base) % LINE || bytes < HEADER) return false;
+    Header& header = arena.header();
+    I64 counts[DIMENSIONS];
+    for (int i = 0; i < DIMENSIONS; i++) counts[i] = header.counts[i];
+    if (header.seal != SEAL || header.part != part || header.bytes != bytes || !complete(counts)) return false;
+    for (int i = 0; i < DIMENSIONS; i++)
+        if (counts[i] != header.counts[i]) return false;
+    return bytes_of(part, counts) == bytes;
+}
+
+static bool admits(Values values, double x) {
+    if (is_nan(x) || absolute(x) == INFINITE) return false;
+    return values == Values::FINITE || (values == Values::NOT_NEGATIVE ? x >= 0.0 : x > 0.0);
+}
+static Fault fault_of(const Field& field, const char* at, const I64* counts) {
+    if (!field.is_index) {
+        return admits(field.values, *reinterpret_cast<const double*>(at)) ? Fault::NONE : Fault::VALUE;
+    }
+    const I64 x = *reinterpret_cast<const I64*>(at);
+    if (field.values == Values::NODE) return x >= 0 && x < counts[NODES] ? Fault::NONE : Fault::INDEX;
+    if (field.values == Values::RUN) return x >= 0 && x < counts[RUNS] ? Fault::NONE : Fault::INDEX;
+    return x >= 0 && x <= (field.values == Values::FLAG ? 1 : LARGEST) ? Fault::NONE : Fault::VALUE;
+}
+
+// The first entry of a block that its field does not admit.
+static Finding check_values(Arena arena) {
+    const Header& header = arena.header();
+    const char* at = arena.base + HEADER;
+    for (I64 number = 0; number < FIELD_COUNT; number++) {
+        const Field& field = FIELDS[number];
+        if (field.part != header.part) continue;
+        const I64 columns = header.counts[field.columns], stride = stride_of(columns);
+        for (I64 row = 0; row < header.counts[field.rows]; row++, at += 8 * stride)
+            for (I64 i = 0; i < columns; i++)
+                if (const Fault fault = fault_of(field, at + 8 * i, header.counts); fault != Fault::NONE)
+                    return {fault, number, row * columns + i};
+    }
+    return {Fault::NONE, 0, 0};
+}
+
+// Numbers of fields.
+enum Number : I64 {
+#define DIMENSION(...)
+#define MODEL(name, ...) number_of_##name,
+#define STATE(name, ...) number_of_##name,
+#define WORK(name, ...) number_of_##name,
+#include "fields.def"
+};
+
+static Finding check_runs(const Model& m) {
+    I64 begin = 0;
+    for (I64 r = 0; r < m.runs; r++) {
+        if (m.run_first[r] < begin) return {Fault::RUN, number_of_run_first, r};
+        if (m.run_links[r] < 1 || m.run_links[r] >= m.nodes - m.run_first[r])
+            return {Fault::RUN, number_of_run_links, r};
+        begin = m.run_first[r] + m.run_links[r] + 1;
+        if (!m.viscous && m.axial_damping[r] > 0.0) return {Fault::UNDAMPED, number_of_axial_damping, r};
+    }
+    return {Fault::NONE, 0, 0};
+}
+
+static Finding check_springs(const Model& m) {
+    for (I64 k = 0; k < m.springs; k++) {
+        if (m.spring_begin[k] == m.spring_end[k]) return {Fault::SPRING, number_of_spring_end, k};
+        if (!m.viscous && m.spring_damping[k] > 0.0) return {Fault::UNDAMPED, number_of_spring_damping, k};
+    }
+    return {Fault::NONE, 0, 0};
+}
+
+// Number of the run that a node is inside of, or -1. Runs are in order.
+static I64 run_around(const Model& m, I64 node) {
+    I64 low = 0, high = m.runs;
+    while (low < high) {
+        const I64 middle = (low + high) / 2;
+        if (m.run_first[middle] < node)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low > 0 && node < m.run_first[low - 1] + m.run_links[low - 1] ? low - 1 : -1;
+}
+
+// Copies are marked in the Workspace while joints are checked.
+static Finding check_joints(const Model& m, const State& s, Workspace& w) {
+    for (I64 j = 0; j < m.joints; j++) {
+        const I64 copy = m.joint_copy[j];
+        if (w.force[copy] != 0.0 || run_around(m, copy) >= 0) return {Fault::JOINT, number_of_joint_copy, j};
+        w.force[copy] = 1.0;
+    }
+    for (I64 j = 0; j < m.joints; j++) {
+        const I64 copy = m.joint_copy[j], original = m.joint_original[j];
+        if (w.force[original] != 0.0 || run_around(m, original) >= 0)
+            return {Fault::JOINT, number_of_joint_original, j};
+        for (I64 axis = 0; axis < m.axes; axis++) {
+            const I64 row = axis * m.stride, entry = axis * m.nodes + copy;
+            if (m.mobility[row + copy] != 0.0) return {Fault::JOINT, number_of_mobility, entry};
+            if (m.weight[row + copy] != 0.0) return {Fault::JOINT, number_of_weight, entry};
+            if (s.position[row + copy] != s.position[row + original]) return {Fault::JOINT, number_of_position, entry};
+            if (s.velocity[row + copy] != s.velocity[row + original]) return {Fault::JOINT, number_of_velocity, entry};
+        }
+    }
+    return {Fault::NONE, 0, 0};
+}
+
+// Whether all inner nodes of a run have the same mobility and weight.
+static bool is_uniform(const Model& m, I64 run) {
+    const I64 first = m.run_first[run] + 1, last = m.run_first[run] + m.run_links[run];
+    for (I64 row = 0; row < m.axes * m.stride; row += m.stride)
+        for (I64 i = row + first; i < row + last; i++)
+            if (m.mobility[i] != m.mobility[row + first] || m.weight[i] != m.weight[row + first]) return false;
+    return true;
+}
+
+static void prepare(const Model& m, Workspace& w) {
+    for (I64 i = 0; i < m.axes * m.stride; i++) w.force[i] = 0.0;
+    for (I64 i = 0; i < SCRATCH_SIZE; i++) w.scratch[i] = 0.0;
+    for (I64 r = 0; r < m.runs; r++) w.run_pulled[r] = 0, w.run_uniform[r] = is_uniform(m, r);
+    for (I64 k = 0; k < m.contacts; k++) w.run_pulled[m.contact_run[k]] = 1;
+    for (I64 k = 0; k < m.springs; k++) {
+        if (const I64 run = run_around(m, m.spring_begin[k]); run >= 0) w.run_pulled[run] = 1;
+        if (const I64 run = run_around(m, m.spring_end[k]); run >= 0) w.run_pulled[run] = 1;
+    }
+}
+
+Finding bind(const Blocks& blocks, const I64* bytes) {
+    const Arena arenas[] = {blocks.model, blocks.state, blocks.work};
+    for (I64 i = 0; i < 3; i++)
+        if (!is_block(arenas[i], static_cast<Part>(i), bytes[i])) return {Fault::BLOCK, i, 0};
+    for (I64 i = 0; i < DIMENSIONS; i++)
+        for (const Arena& arena : arenas)
+            if (arena.header().counts[i] != blocks.model.header().counts[i]) return {Fault::SIZES, i, 0};
+    blocks.work.header().is_bound = 0;
+    for (I64 i = 0; i < 2; i++)
+        if (const Finding found = check_values(arenas[i]); found.fault != Fault::NONE) return found;
+    const Model m(blocks.model);
+    const State s(blocks.state);
+    Workspace w(blocks.work);
+    for (I64 i = 0; i < m.nodes; i++) w.force[i] = 0.0;
+    if (const Finding found = check_runs(m); found.fault != Fault::NONE) return found;
+    if (const Finding found = check_springs(m); found.fault != Fault::NONE) return found;
+    if (const Finding found = check_joints(m, s, w); found.fault != Fault::NONE) return found;
+    prepare(m, w);
+    blocks.work.header().is_bound = 1;
+    return {Fault::NONE, 0, 0};
+}
+
+bool are_bound(const Blocks& blocks) {
+    const Header& model = blocks.model.header();
+    if (blocks.work.header().is_bound != 1) return false;
+    const Arena arenas[] = {blocks.model, blocks.state, blocks.work};
+    for (const Arena& arena : arenas) {
+        const Header& header = arena.header();
+        if (header.seal != SEAL) return false;
+        for (int i = 0; i < DIMENSIONS; i++)
+            if (header.counts[i] != model.counts[i]) return false;
+    }
+    return true;
+}
+
+}  // namespace RW_VARIANT

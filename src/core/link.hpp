@@ -1,0 +1,172 @@
+// Links and springs.
+//
+// A straight link has the length l of its chord c. A curved one is an arc through the neighbouring nodes: with the
+// second differences of positions a and b at its two nodes,
+//
+//     l^2 = |c|^2 + (|a|^2 + |b|^2 - a b)/12,
+//     V   = EA h (l/h - 1)^2/2 + EI/(6 h^3) (2 |a|^2 + 2 |b|^2 - a b),
+//
+// which makes waves of tension and of bending exact to the fourth order of the mesh. A Kelvin-Voigt damper acts along
+// the chord. At the end of a run, which is hinged, the second difference is zero.
+#pragma once
+
+#include "arena.hpp"
+#include "element.hpp"
+
+namespace RW_VARIANT {
+
+// Hooke's law with a damper. A spring is a straight link with EA = k L. T: numbers, or vectors of different springs.
+template <class T>
+struct Axial {
+    T stiffness;  // N/m
+    T preload;    // N, stiffness times unstrained length
+    T damping;    // N s/m
+    T floor;      // N/m: 0 if it does not push, else minus infinity
+};
+
+// Forces over length, N/m: of the spring, and of spring and damper.
+template <class S>
+struct Pull {
+    S elastic, total;
+};
+
+// square: of the length, along: product of the chord and its rate.
+template <bool VISCOUS, class T, class S>
+inline Pull<S> pull(const Axial<T>& p, S square, S along) {
+    const S inverse = 1.0 / root(square);
+    const S elastic = p.stiffness - p.preload * inverse;
+    S total = elastic;
+    if constexpr (VISCOUS) total = total + p.damping * along * (inverse * inverse);
+    return {unless_below(elastic, p.floor, elastic), unless_below(elastic, p.floor, total)};
+}
+
+// Parameters of the links of a run.
+struct Links {
+    Axial<double> axial;
+    double bending;     // N/m, EI/(6 h^3)
+    bool begins, ends;  // the link is the first, or the last one of its run
+};
+
+inline double floor_of(I64 tension_only) { return tension_only ? 0.0 : -INFINITE; }
+
+// Of the links of run r inside it.
+inline Links links_of(const Model& m, I64 r) {
+    const double per_length = 1.0 / m.link_length[r], EA = m.axial_stiffness[r];
+    const double bending = m.bending_stiffness[r] * per_length * per_length * per_length * (1.0 / 6.0);
+    return {{EA * per_length, EA, m.axial_damping[r] * per_length, floor_of(m.run_tension_only[r])}, bending, 0, 0};
+}
+
+// A straight link, or a spring: unknowns are the positions of its two nodes.
+template <int AXES>
+struct Straight {
+    static constexpr int UNKNOWNS = 2 * AXES;
+
+    // Force of a link with chord c and rate of it on its first node.
+    template <bool VISCOUS, class T, class S>
+    static inline void resist(const Axial<T>& p, const S* c, const S* rate, S* first) {
+        S square{}, along{};
+        for (int i = 0; i < AXES; i++) {
+            square = square + c[i] * c[i];
+            if constexpr (VISCOUS) along = along + c[i] * rate[i];
+        }
+        const S q = pull<VISCOUS>(p, square, along).total;
+        for (int i = 0; i < AXES; i++) first[i] = q * c[i];
+    }
+
+    template <class S>
+    static void force(const Axial<double>& p, const Context&, const S* x, const S* v, S* f) {
+        S c[AXES], rate[AXES], first[AXES];
+        for (int i = 0; i < AXES; i++) c[i] = x[AXES + i] - x[i], rate[i] = v[AXES + i] - v[i];
+        resist<true>(p, c, rate, first);
+        for (int i = 0; i < AXES; i++) {
+            f[i] = f[i] + first[i];
+            f[AXES + i] = f[AXES + i] - first[i];
+        }
+    }
+
+    template <class S>
+    static S energy(const Axial<double>& p, const Context&, const S* x) {
+        S square = 0.0;
+        for (int i = 0; i < AXES; i++) square = square + (x[AXES + i] - x[i]) * (x[AXES + i] - x[i]);
+        return stored(p, square);
+    }
+
+    // Energy of the spring with the square of its length.
+    template <class S>
+    static S stored(const Axial<double>& p, S square) {
+        if (p.stiffness == 0.0) return 0.0;
+        const S longer = root(square) - p.preload / p.stiffness;
+        return unless_below(longer, p.floor, 0.5 * p.stiffness * longer * longer);
+    }
+};
+
+// A curved link: unknowns are the positions of the node before it, of its two nodes, and of the one behind it.
+template <int AXES>
+struct Curved {
+    static constexpr int UNKNOWNS = 4 * AXES;
+
+    // Of a link with chord c and rate of it, second differences a and b: force on its first node, and what acts
+    // against its second differences.
+    template <bool VISCOUS, class S>
+    static inline void resist(const Links& p, const S* c, const S* rate, const S* a, const S* b, S* first, S* against_a,
+                              S* against_b) {
+        S square{}, along{}, bends{};
+        for (int i = 0; i < AXES; i++) {
+            square = square + c[i] * c[i];
+            bends = bends + (a[i] * a[i] + b[i] * (b[i] - a[i]));
+            if constexpr (VISCOUS) along = along + c[i] * rate[i];
+        }
+        const Pull<S> q = pull<VISCOUS>(p.axial, square + bends * (1.0 / 12.0), along);
+        const S w = q.elastic * (1.0 / 24.0) + p.bending;
+        for (int i = 0; i < AXES; i++) {
+            first[i] = q.total * c[i];
+            against_a[i] = w * ((a[i] + a[i]) - b[i]) + (2.0 * p.bending) * a[i];
+            against_b[i] = w * ((b[i] + b[i]) - a[i]) + (2.0 * p.bending) * b[i];
+        }
+    }
+
+    // Second differences at its nodes.
+    template <class S>
+    static void bend(const Links& p, const S* x, S* a, S* b) {
+        for (int i = 0; i < AXES; i++) {
+            const S before = x[AXES + i] - x[i], c = x[2 * AXES + i] - x[AXES + i];
+            const S behind = x[3 * AXES + i] - x[2 * AXES + i];
+            a[i] = p.begins ? S(0.0) : c - before;
+            b[i] = p.ends ? S(0.0) : behind - c;
+        }
+    }
+
+    template <class S>
+    static void force(const Links& p, const Context&, const S* x, const S* v, S* f) {
+        S c[AXES], rate[AXES], a[AXES], b[AXES], first[AXES], against_a[AXES], against_b[AXES];
+        bend(p, x, a, b);
+        for (int i = 0; i < AXES; i++) {
+            c[i] = x[2 * AXES + i] - x[AXES + i];
+            rate[i] = v[2 * AXES + i] - v[AXES + i];
+        }
+        resist<true>(p, c, rate, a, b, first, against_a, against_b);
+        for (int i = 0; i < AXES; i++) {
+            const S m = p.begins ? S(0.0) : against_a[i], n = p.ends ? S(0.0) : against_b[i];
+            f[i] = f[i] - m;
+            f[AXES + i] = f[AXES + i] + (first[i] + (m + m) - n);
+            f[2 * AXES + i] = f[2 * AXES + i] - (first[i] + m - (n + n));
+            f[3 * AXES + i] = f[3 * AXES + i] - n;
+        }
+    }
+
+    template <class S>
+    static S energy(const Links& p, const Context&, const S* x) {
+        S a[AXES], b[AXES], square = 0.0, squares = 0.0, product = 0.0;
+        bend(p, x, a, b);
+        for (int i = 0; i < AXES; i++) {
+            const S c = x[2 * AXES + i] - x[AXES + i];
+            square = square + c * c;
+            squares = squares + (a[i] * a[i] + b[i] * b[i]);
+            product = product + a[i] * b[i];
+        }
+        const S stretched = Straight<AXES>::stored(p.axial, square + (squares - product) * (1.0 / 12.0));
+        return stretched + p.bending * (2.0 * squares - product);
+    }
+};
+
+}  // namespace RW_VARIANT

@@ -1,0 +1,144 @@
+// The step loop: Verlet's method, with velocities that State keeps half a step behind the positions.
+//
+// In a step come springs, runs with their inner nodes, what joins nodes, and then all other nodes. How many steps a
+// call takes makes no difference to any bit.
+#pragma once
+
+#include "stencil.hpp"
+#include "sweep.hpp"
+
+namespace RW_VARIANT {
+
+enum Outcome : I64 { DONE, STOPPED, DIVERGED };
+
+template <int AXES, bool VISCOUS>
+struct Motion {
+    const Model& m;
+    const State& s;
+    Workspace& w;
+
+    I64 advance(I64 steps, double dt, const volatile I32* stop, I64* done) {
+        for (*done = 0; *done < steps; ++*done) {
+            if (*stop) return STOPPED;
+            take_step(dt);
+        }
+        return is_finite() ? DONE : DIVERGED;
+    }
+
+  private:
+    void take_step(double dt) {
+        const double kick = s.lag[0] + 0.5 * dt;
+        const Step step{kick, dt, 0.5 * dt / kick};
+        pull_springs();
+        press_contacts();
+        sum_work(kick);
+        for (I64 run = 0; run < m.runs; run++) {
+            if (m.run_curved[run])
+                Sweep<AXES, VISCOUS, true>(m, s, w, step, run).run();
+            else
+                Sweep<AXES, VISCOUS, false>(m, s, w, step, run).run();
+        }
+        join(w.force, true);
+        move_others(step);
+        join(s.position, false);
+        join(s.velocity, false);
+        if constexpr (VISCOUS) join(s.predicted, false);
+        sum_work(kick);
+        for (I64 k = 0; k < m.contacts; k++) s.contact_place[k] += dt * s.contact_speed[k];
+        s.time[0] += dt;
+        s.lag[0] = 0.5 * dt;
+    }
+
+    void pull_springs() {
+        for (I64 k = 0; k < m.springs; k += WIDTH) {
+            const I64 count = m.springs - k < WIDTH ? m.springs - k : WIDTH;
+            Axial<Vector> p{load<Vector>(m.spring_stiffness.at(k, WIDTH)), load<Vector>(m.spring_length.at(k, WIDTH)),
+                            load<Vector>(m.spring_damping.at(k, WIDTH)), Vector{}};
+            p.preload = p.stiffness * p.preload;
+            Vector c[AXES]{}, rate[AXES]{}, pull[AXES];
+            for (int axis = 0; axis < AXES; axis++) {
+                c[axis] = differences(s.position, axis, k, count);
+                if constexpr (VISCOUS) rate[axis] = differences(s.predicted, axis, k, count);
+            }
+            for (I64 j = 0; j < count; j++) p.floor[j] = floor_of(m.spring_tension_only[k + j]);
+            Straight<AXES>::template resist<VISCOUS>(p, c, rate, pull);
+            for (int axis = 0; axis < AXES; axis++) {
+                for (I64 j = 0; j < count; j++) {
+                    w.force[axis * m.stride + m.spring_begin[k + j]] += pull[axis][j];
+                    w.force[axis * m.stride + m.spring_end[k + j]] -= pull[axis][j];
+                }
+            }
+        }
+    }
+    // From the first to the second nodes of springs k, k + 1 ...; 1 where there are no more.
+    Vector differences(const View<double>& of, int axis, I64 k, I64 count) const {
+        Vector values = Vector{} + 1.0;
+        const I64 row = axis * m.stride;
+        for (I64 j = 0; j < count; j++) values[j] = of[row + m.spring_end[k + j]] - of[row + m.spring_begin[k + j]];
+        return values;
+    }
+
+    // Locate all contacts, and add the forces of loads to the nodes that share them.
+    void press_contacts() {
+        for (I64 k = 0; k < m.contacts; k++) {
+            const Share share = share_of(m, s, k);
+            w.contact_first[k] = share.first, w.contact_shared[k] = share.count;
+            for (I64 j = 0; j < share.count; j++) {
+                w.contact_weight[at(j, k)] = share.weight[j];
+                for (int axis = 0; axis < AXES; axis++)
+                    w.force[axis * m.stride + share.first + j] += share.weight[j] * m.contact_force[at(axis, k)];
+            }
+        }
+    }
+    I64 at(I64 row, I64 contact) const { return row * stride_of(m.contacts) + contact; }
+
+    // Half of the work that loads do in a kick, with the velocities of now.
+    void sum_work(double kick) {
+        for (I64 k = 0; k < m.contacts; k++) {
+            double power = 0.0;
+            for (I64 j = 0; j < w.contact_shared[k]; j++) {
+                for (int axis = 0; axis < AXES; axis++) {
+                    const double v = s.velocity[axis * m.stride + w.contact_first[k] + j];
+                    power += w.contact_weight[at(j, k)] * m.contact_force[at(axis, k)] * v;
+                }
+            }
+            s.contact_work[k] += 0.5 * kick * power;
+        }
+    }
+
+    // Add values of copies to those of the original nodes and clear them, or give copies the values of the originals.
+    void join(const View<double>& values, bool adds) {
+        for (I64 j = 0; j < m.joints; j++) {
+            for (int axis = 0; axis < AXES; axis++) {
+                double& copy = values[axis * m.stride + m.joint_copy[j]];
+                double& original = values[axis * m.stride + m.joint_original[j]];
+                if (adds) original += copy;
+                copy = adds ? 0.0 : original;
+            }
+        }
+    }
+
+    // Nodes that are not inside a run: between the last node of each run and the first one of the next.
+    void move_others(const Step& step) {
+        I64 begin = 0;
+        for (I64 run = 0; run < m.runs; run++) {
+            move_nodes(step, begin, m.run_first[run] + 1);
+            begin = m.run_first[run] + m.run_links[run];
+        }
+        move_nodes(step, begin, m.nodes);
+    }
+    void move_nodes(const Step& step, I64 begin, I64 end) {
+        I64 i = begin;
+        for (; i + WIDTH <= end; i += WIDTH) move_loaded<AXES, VISCOUS, Vector>(m, s, w, step, i);
+        for (; i < end; i++) move_loaded<AXES, VISCOUS, double>(m, s, w, step, i);
+    }
+
+    bool is_finite() const {
+        double sum = 0.0;
+        for (int axis = 0; axis < AXES; axis++)
+            for (I64 i = 0; i < m.nodes; i++) sum += s.position[axis * m.stride + i] * 0.0;
+        return sum == 0.0;
+    }
+};
+
+}  // namespace RW_VARIANT

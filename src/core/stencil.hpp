@@ -1,0 +1,82 @@
+// A point of a run between its nodes: on a quintic spline through them, which is four times differentiable, so that a
+// load passes nodes without an event.
+//
+// Control points are c = r - D2 r/4, which undoes to the fourth order of the mesh what a quintic B-spline smooths.
+// Beyond an end the run is continued by its point reflection, c(-j) = 2 c(0) - c(j): the curve ends in the end node.
+#pragma once
+
+#include "arena.hpp"
+#include "dual.hpp"
+
+namespace RW_VARIANT {
+
+// Where a point is: in which link, and which node is the first of those that share it.
+struct Cell {
+    I64 links, link, first;
+};
+
+// The cell of a point at x links along a run; x beyond an end belongs to the last link there.
+inline Cell locate(I64 links, double x) {
+    const double last = static_cast<double>(links - 1);
+    const I64 link = static_cast<I64>(x > 0.0 ? (x < last ? x : last) : 0.0);
+    const I64 first = link - 3 < links + 1 - SHARED ? link - 3 : links + 1 - SHARED;
+    return {links, link, first > 0 ? first : 0};
+}
+
+// Quintic B-splines of the six nodes around a link at the part f of it.
+template <class S>
+inline void quintic(const S& f, S* basis) {
+    constexpr double C[6][6] = {{1, -5, 10, -10, 5, -1},    {26, -50, 20, 20, -20, 5}, {66, 0, -60, 0, 30, -10},
+                                {26, 50, 20, -20, -20, 10}, {1, 5, 10, 10, 5, -5},     {0, 0, 0, 0, 0, 1}};
+    for (int i = 0; i < 6; i++) {
+        S sum = C[i][5];
+        for (int power = 4; power >= 0; power--) sum = sum * f + C[i][power];
+        basis[i] = sum * (1.0 / 120.0);
+    }
+}
+
+// Add the control point of node j, which may be beyond an end, with a weight.
+template <class S>
+inline void add_control(const Cell& cell, I64 j, const S& w, S* weight) {
+    const I64 n = cell.links, end = j < 0 ? 0 : n;
+    if (j < 0 || j > n) {
+        add_control(cell, end, w + w, weight);
+        add_control(cell, 2 * end - j, -w, weight);
+    } else if (j == 0 || j == n) {
+        weight[j - cell.first] = weight[j - cell.first] + w;
+    } else {
+        for (I64 k = j - 1; k <= j + 1; k++) {
+            S& at = weight[k - cell.first];
+            at = at + w * (k == j ? 1.5 : -0.25);
+        }
+    }
+}
+
+// Weights of the nodes that share the point at x links along a run, in a cell that has been located.
+template <class S>
+inline void weigh(const Cell& cell, const S& x, S* weight) {
+    S basis[6];
+    quintic(x - static_cast<double>(cell.link), basis);
+    for (int k = 0; k < SHARED; k++) weight[k] = S(0.0);
+    for (int i = 0; i < 6; i++) add_control(cell, cell.link - 2 + i, basis[i], weight);
+}
+
+// Nodes first, first + 1 ... first + count - 1 that share a contact, and their weights; none if it is beyond its run.
+struct Share {
+    I64 first, count;
+    double weight[SHARED];
+};
+
+inline Share share_of(const Model& m, const State& s, I64 contact) {
+    const I64 run = m.contact_run[contact], links = m.run_links[run];
+    const double x = s.contact_place[contact] / m.link_length[run];
+    Share share{};
+    if (!(x >= 0.0 && x <= static_cast<double>(links))) return share;
+    const Cell cell = locate(links, x);
+    weigh(cell, x, share.weight);
+    share.first = m.run_first[run] + cell.first;
+    share.count = links + 1 - cell.first < SHARED ? links + 1 - cell.first : SHARED;
+    return share;
+}
+
+}  // namespace RW_VARIANT

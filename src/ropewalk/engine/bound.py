@@ -1,0 +1,185 @@
+"""A structure that the core has checked: what can be computed of it."""
+
+from __future__ import annotations
+
+import ctypes
+from time import perf_counter
+from typing import Any, Literal, NamedTuple, get_args
+
+import numpy as np
+import scipy.sparse as sparse
+from numpy.typing import NDArray
+
+from ropewalk.engine.library import VARIANTS, library, variants
+from ropewalk.engine.model import PARTS, Block, dimensions, fields
+from ropewalk.errors import RopewalkError
+
+Array = NDArray[np.float64]
+Outcome = Literal["done", "stopped", "diverged"]
+CALL = 0.03
+"""Time of a call of the core, s: after it signals are noticed."""
+
+
+class Advance(NamedTuple):
+    """Steps that were taken, and how they ended."""
+
+    steps: int
+    outcome: Outcome
+
+
+class Potentials(NamedTuple):
+    """Potential energies of a structure, J."""
+
+    elastic: float
+    weight: float
+
+
+class TangentMatrices(NamedTuple):
+    """Forces (axis, node) and their derivatives (axis * nodes + node, the same) at a state."""
+
+    forces: Array
+    stiffness: sparse.csc_matrix
+    damping: sparse.csc_matrix
+
+
+class Bound:
+    """Model and State that the core has checked, with a Workspace of their own."""
+
+    def __init__(self, model: Block, state: Block) -> None:
+        """Check every number and index once. The arrays of the Model cannot be changed from now on.
+
+        Raises:
+            RopewalkError: naming the array and the entry that is wrong.
+        """
+        self.model, self.state, self.work = model, state, Block("WORK", model.sizes)
+        self.stop = ctypes.c_int32(0)
+        blocks = (model, state, self.work)
+        self._bases = (ctypes.c_void_p * 3)(*(block.memory.ctypes.data for block in blocks))
+        sizes = (ctypes.c_int64 * 3)(*(block.memory.size for block in blocks))
+        finding = (ctypes.c_int64 * 3)()
+        if library().rw_bind(self._bases, sizes, finding):
+            raise RopewalkError(_message(model, state, *finding))
+        for block in (model, self.work):
+            block.freeze()
+        self._speed = 0.0  # steps per second
+
+    def advance(self, steps: int, dt: float, variant: str | None = None) -> Advance:
+        """Take steps of Verlet's method. How they are divided into calls makes no difference to any bit.
+
+        Args:
+            steps: number of steps.
+            dt: step, s.
+            variant: instruction set; None: the best one of this processor.
+        """
+        number, done, taken = VARIANTS.index(variant or variants()[-1]), ctypes.c_int64(), 0
+        while taken < steps:
+            count = min(steps - taken, max(16, int(CALL * self._speed)))
+            begin = perf_counter()
+            outcome = library().rw_advance(
+                number, self._bases, count, dt, ctypes.addressof(self.stop), ctypes.addressof(done)
+            )
+            if outcome < 0:
+                raise RopewalkError(f"this processor does not run the variant {variant}; use {', '.join(variants())}")
+            self._speed = done.value / max(perf_counter() - begin, 1e-9)
+            taken += done.value
+            if outcome:
+                return Advance(taken, get_args(Outcome)[outcome])
+        return Advance(taken, "done")
+
+    def forces(self, velocities: Array | None = None) -> Array:
+        """Return the forces (axis, node) at the positions of the State, N, weights included.
+
+        Args:
+            velocities: (axis, node) m/s; None: as if nothing moved.
+        """
+        rates, forces = self._rates(velocities), np.zeros(self.state.position.shape)
+        library().rw_forces(self._bases, rates.ctypes.data, forces.ctypes.data)
+        return forces
+
+    def velocities(self) -> Array:
+        """Return the velocities (axis, node) at the instant of the positions, m/s."""
+        lag, v = self.state.lag[0], self.state.velocity
+        rates = self.state.predicted if self.model.sizes["VISCOUS"] else v
+        gains = self.model.mobility * self._joined(self.forces(rates))
+        now: Array = v + lag * gains
+        now[:, self.model.joint_copy] = now[:, self.model.joint_original]
+        return now
+
+    def potentials(self) -> Potentials:
+        """Return the potential energies at the positions of the State."""
+        found = np.zeros(2)
+        library().rw_energies(self._bases, found.ctypes.data)
+        return Potentials(*found.tolist())
+
+    def kinetic_energy(self) -> float:
+        """Return the kinetic energy at the instant of the positions, J."""
+        moves = self.model.mobility > 0.0
+        return float(0.5 * np.sum(self.velocities()[moves] ** 2 / self.model.mobility[moves]))
+
+    def linearise(self, velocities: Array | None = None) -> TangentMatrices:
+        """Return forces, K = -df/dr and C = -df/dv at the positions of the State.
+
+        Args:
+            velocities: (axis, node) m/s; None: as if nothing moved.
+        """
+        rates, forces = self._rates(velocities), np.zeros(self.state.position.shape)
+        count = library().rw_entries(self._bases)
+        rows, columns = np.zeros((2, count), dtype=np.int64)
+        K, C = np.zeros((2, count))
+        arrays = (rates, forces, rows, columns, K, C)
+        library().rw_linearise(self._bases, *(each.ctypes.data for each in arrays))
+        matrices = (sparse.csc_matrix((each, (rows, columns)), shape=(forces.size, forces.size)) for each in (K, C))
+        return TangentMatrices(forces, *matrices)
+
+    def unknowns(self) -> sparse.csc_matrix:
+        """Return what free coordinates move: (axis * nodes + node, coordinate), 1 where they are the same."""
+        size = self.model.mobility.size
+        original = np.arange(size).reshape(self.model.mobility.shape)
+        original[:, self.model.joint_copy] = original[:, self.model.joint_original]
+        free = np.flatnonzero(self.model.mobility)
+        each = sparse.csc_matrix((np.ones(size), (np.arange(size), original.ravel())), shape=(size, size))
+        return each[:, free]
+
+    def _joined(self, forces: Array) -> Array:
+        sums = forces.copy()
+        for row, force in zip(sums, forces, strict=True):
+            np.add.at(row, self.model.joint_original, force[self.model.joint_copy])
+        return sums
+
+    def _rates(self, velocities: Array | None) -> Array:
+        if velocities is None:
+            return np.zeros(self.state.position.shape)
+        return np.ascontiguousarray(velocities, dtype=np.float64)
+
+
+_FAULTS = {
+    1: "this is no block of this core; lay it out with Block",
+    2: "Model, State and Workspace are of different structures",
+    3: "is {value}; it holds {values}",
+    4: "is {kind} {value}; {kind}s are 0 to {last}",
+    5: "is {value}; a run has at least one link, ends at node {last} at most and begins behind the one before it",
+    6: "is {value}; a copy is no inner node of a run and no original, is named once, has no mobility, no weight, "
+    "and the position and velocity of its original",
+    7: "is node {value}, which is the first node of the spring, too",
+    8: "is {value}; a structure with dampers needs VISCOUS = NODES",
+}
+_ADMITTED = {
+    "FINITE": "finite numbers", "NOT_NEGATIVE": "finite numbers that are not negative", "POSITIVE": "positive numbers",
+    "FLAG": "0 or 1", "COUNT": "whole numbers that are not negative", "NODE": "nodes", "RUN": "runs",
+}  # fmt: skip
+
+
+def _message(model: Block, state: Block, fault: int, number: int, entry: int) -> str:
+    """Return the sentence for what rw_bind has found."""
+    if fault == 1:
+        return f"{PARTS[number]}: {_FAULTS[1]}"
+    if fault == 2:
+        return f"{list(dimensions())[number]}: {_FAULTS[2]}"
+    field = fields()[number]
+    array: NDArray[Any] = getattr(model if field.part == "MODEL" else state, field.name)
+    place = ", ".join(map(str, np.unravel_index(entry, array.shape)))
+    kind = "run" if field.values == "RUN" else "node"
+    last = model.sizes[f"{kind.upper()}S"] - 1
+    return f"{field.name}[{place}] " + _FAULTS[fault].format(
+        value=array.flat[entry], values=_ADMITTED[field.values], kind=kind, last=last
+    )

@@ -1,0 +1,161 @@
+"""Builder of structures: collects nodes, runs and springs, and lays out Model and State."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ropewalk.engine.model import Block, fields
+from ropewalk.errors import RopewalkError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RunProperties:
+    """Properties of a run."""
+
+    link_length: float
+    line_mass: float
+    axial_stiffness: float
+    axial_damping: float = 0.0
+    bending_stiffness: float = 0.0
+    tension_only: bool = False
+    curved: bool = True
+
+
+@dataclass(frozen=True)
+class SpringProperties:
+    """Properties of a spring between two nodes."""
+
+    stiffness: float
+    length: float
+    damping: float = 0.0
+    tension_only: bool = False
+
+
+@dataclass
+class Builder:
+    """Collects the parts of a structure in space or in a vertical plane; the last axis is upwards."""
+
+    axes: int = 2
+    gravity: float = 9.81
+    _points: list[Array] = field(default_factory=list)
+    _masses: list[Array] = field(default_factory=list)
+    _added: list[tuple[int, float]] = field(default_factory=list)
+    _fixed: dict[int, Array] = field(default_factory=dict)
+    _runs: list[tuple[int, int, RunProperties]] = field(default_factory=list)
+    _springs: list[tuple[int, int, SpringProperties]] = field(default_factory=list)
+    _forces: list[tuple[int, Array, float, float]] = field(default_factory=list)
+    _joints: list[tuple[int, int]] = field(default_factory=list)
+
+    def add_node(self, point: ArrayLike, mass: float) -> int:
+        """Add a node that is in no run, and return its number.
+
+        Args:
+            point: (axis,) m.
+            mass: kg.
+        """
+        return self._add(np.reshape(np.asarray(point, dtype=float), (self.axes, 1)), np.array([mass]))
+
+    def add_run(self, points: ArrayLike, run: RunProperties) -> tuple[int, int]:
+        """Add a run with a node at each point; return the numbers of the first and the last one.
+
+        Args:
+            points: (axis, node) m.
+            run: its properties.
+        """
+        at = np.asarray(points, dtype=float)
+        masses = np.full(at.shape[1], run.line_mass * run.link_length)
+        masses[[0, -1]] *= 0.5
+        first = self._add(at, masses)
+        self._runs.append((first, at.shape[1] - 1, run))
+        return first, first + at.shape[1] - 1
+
+    def _add(self, points: Array, masses: Array) -> int:
+        first = sum(each.size for each in self._masses)
+        self._points.append(points)
+        self._masses.append(masses)
+        return first
+
+    def add_mass(self, node: int, mass: float) -> None:
+        """Add a point mass, kg, at a node."""
+        self._added.append((node, mass))
+
+    def add_spring(self, begin: int, end: int, spring: SpringProperties) -> None:
+        """Add a spring between two nodes."""
+        self._springs.append((begin, end, spring))
+
+    def fix(self, *nodes: int, axes: Iterable[int] | None = None) -> None:
+        """Prescribe velocities of nodes along some axes; None: all."""
+        for node in nodes:
+            fixed = self._fixed.setdefault(node, np.zeros(self.axes, dtype=bool))
+            fixed[list(range(self.axes) if axes is None else axes)] = True
+
+    def add_force(self, run: int, force: ArrayLike, place: float, speed: float) -> None:
+        """Add a constant force that moves along a run at a prescribed speed; beyond the ends of the run it is nothing.
+
+        Args:
+            run: number of the run, in the order they were added.
+            force: (axis,) N.
+            place: unstrained length up to it at the beginning, m.
+            speed: rate of that, m/s.
+        """
+        self._forces.append((run, np.asarray(force, dtype=float), place, speed))
+
+    def join(self, copy: int, original: int) -> None:
+        """Make two nodes the same point."""
+        self._joints.append((copy, original))
+
+    def build(self) -> tuple[Block, Block]:
+        """Return Model and State; nothing moves.
+
+        Raises:
+            RopewalkError: a node that is not fixed has no mass.
+        """
+        points, masses = np.concatenate(self._points, axis=1), np.concatenate(self._masses)
+        damped = any(each.axial_damping for *_, each in self._runs) or any(s.damping for *_, s in self._springs)
+        sizes = {"AXES": self.axes, "NODES": masses.size, "VISCOUS": masses.size * damped, "RUNS": len(self._runs),
+                 "SPRINGS": len(self._springs), "JOINTS": len(self._joints), "CONTACTS": len(self._forces)}  # fmt: skip
+        model, state = Block("MODEL", sizes), Block("STATE", sizes)
+        copies, originals = np.array(self._joints, dtype=np.int64).reshape(-1, 2).T
+        for node, mass in self._added:
+            masses[node] += mass
+        np.add.at(masses, originals, masses[copies])
+        masses[copies], points[:, copies] = 0.0, points[:, originals]
+        moves = np.full(points.shape, True)
+        moves[:, copies] = False
+        for node, fixed in self._fixed.items():
+            moves[fixed, node] = False
+        if (massless := moves & (masses == 0.0)).any():
+            raise RopewalkError(f"node {np.nonzero(massless)[1][0]} has no mass; give it one, or hold it")
+        mobility = np.divide(1.0, masses, where=moves, out=np.zeros(points.shape))
+        model.set(mobility=mobility, joint_copy=copies, joint_original=originals)
+        model.weight[-1] = -self.gravity * masses
+        state.position[:] = points
+        for k, (run, force, place, speed) in enumerate(self._forces):
+            model.contact_run[k], model.contact_force[:, k] = run, force
+            state.contact_place[k], state.contact_speed[k] = place, speed
+        for rows in (self._run_rows(), self._spring_rows()):
+            for name in rows[0] if rows else ():
+                model.set(**{name: [row[name] for row in rows]})
+        return model, state
+
+    def _run_rows(self) -> list[dict[str, Any]]:
+        names = {each.name for each in fields()}
+        return [
+            {"run_first": first, "run_links": links}
+            | {name if name in names else f"run_{name}": value for name, value in asdict(run).items()}
+            for first, links, run in self._runs
+        ]
+
+    def _spring_rows(self) -> list[dict[str, Any]]:
+        return [
+            {"spring_begin": begin, "spring_end": end}
+            | {f"spring_{name}": value for name, value in asdict(spring).items()}
+            for begin, end, spring in self._springs
+        ]

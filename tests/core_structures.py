@@ -1,0 +1,83 @@
+"""Small structures for tests of the core. Their numbers come from sums, products and quotients alone, so that they have
+the same bits everywhere."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ropewalk.engine.bound import Bound
+from ropewalk.engine.builder import Builder, RunProperties, SpringProperties
+
+Array = NDArray[np.float64]
+ROPE = RunProperties(link_length=0.5, line_mass=1.0, axial_stiffness=1e4)
+
+
+def parabola(begin: float, end: float, links: int, sag: float, axes: int = 2) -> Array:
+    """Points of a parabola in the vertical plane, or askew in space."""
+    part = np.arange(links + 1) / links
+    x, z = begin + (end - begin) * part, -4.0 * sag * part * (1.0 - part)
+    return np.array([x, z]) if axes == 2 else np.array([x, 0.3 * z * (1.0 - 2.0 * part), z])
+
+
+def rope(links: int = 40, axes: int = 2, run: RunProperties = ROPE, sag: float = 0.8) -> Bound:
+    """A rope that hangs between two held nodes, 1 % shorter than its links are long."""
+    builder = Builder(axes)
+    builder.fix(*builder.add_run(parabola(0.0, 0.99 * links * run.link_length, links, sag, axes), run))
+    return Bound(*builder.build())
+
+
+def bridge(axes: int = 2, damping: float = 0.0, ties: bool = True, force: float = 0.0) -> Bound:
+    """A cable with clamps, a deck with bending stiffness in two joined runs, and hangers, which push unless `ties`."""
+    builder, span = Builder(axes), 24.0
+    cable, _ = (ends := builder.add_run(parabola(0.0, span, 24, 2.0, axes), RunProperties(1.02, 2.0, 3e5, damping)))
+    builder.fix(*ends)
+    flat = parabola(0.0, span, 24, 0.0, axes)
+    flat[-1] -= 3.0
+    deck = RunProperties(1.0, 5.0, 8e5, damping, 4e3, tension_only=False)
+    first, middle = builder.add_run(flat[:, :13], deck)
+    again, last = builder.add_run(flat[:, 12:], deck)
+    builder.fix(first, last)
+    builder.join(again, middle)
+    if force:
+        builder.add_force(1, [*[0.0] * (axes - 1), force], 2.0, 30.0)
+    hanger = SpringProperties(2e4, 1.5, damping, tension_only=ties)
+    for k in range(3, 24, 3):
+        builder.add_mass(cable + k, 4.0)
+        builder.add_spring(cable + k, first + k if k < 12 else again + k - 12, hanger)
+    return Bound(*builder.build())
+
+
+def tripod(axes: int = 3, damping: float = 0.0, ties: bool = True) -> Bound:
+    """Three runs of straight links that meet in a node with a mass, which hangs on a spring from a held one."""
+    builder = Builder(axes)
+    top, knot = builder.add_node([0.0] * (axes - 1) + [2.0], 0.0), builder.add_node([0.0] * axes, 3.0)
+    builder.fix(top)
+    builder.add_spring(top, knot, SpringProperties(500.0, 1.9, damping))
+    corners = ([4.0, 0.0, 0.5], [-2.0, 3.0, 0.3], [-2.0, -3.0, 0.0])
+    for corner, links in zip(corners, (9, 6, 4), strict=True):
+        end = np.array([*corner[: axes - 1], corner[-1]])
+        points = end.reshape(-1, 1) * (np.arange(links + 1) / links)
+        length = float(np.sqrt(sum(float(x) * float(x) for x in end))) / links
+        run = RunProperties(length * 1.001, 0.5, 2e4, damping, curved=False, tension_only=ties)
+        begin, held = builder.add_run(points, run)
+        builder.fix(held)
+        builder.join(begin, knot)
+    return Bound(*builder.build())
+
+
+STRUCTURES = {
+    "rope": rope, "rope in space": lambda: rope(axes=3, links=300),
+    "straight links": lambda: rope(run=RunProperties(0.5, 1.0, 1e4, curved=False), links=133),
+    "damped": lambda: rope(run=RunProperties(0.5, 1.0, 1e4, 20.0, 2.0), links=131),
+    "tension only": lambda: rope(run=RunProperties(0.5, 1.0, 1e4, tension_only=True), links=257),
+    "bridge": bridge, "damped bridge in space": lambda: bridge(3, 30.0),
+    "bridge under a force": lambda: bridge(force=-500.0), "tripod": tripod, "damped tripod": lambda: tripod(2, 5.0),
+}  # fmt: skip
+"""One of each kind: both dimensions, links of both kinds, damped or not, joints, springs, blocks that end anywhere."""
+
+
+def step_of(bound: Bound) -> float:
+    """Return a third of the largest stable step, s, from a bound by the rows of K."""
+    rows = np.abs(bound.linearise().stiffness).sum(axis=1)
+    return float(0.6 / np.sqrt((np.asarray(rows).ravel() * bound.model.mobility.ravel()).max()))
