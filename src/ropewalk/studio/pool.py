@@ -164,8 +164,7 @@ class Pool:
         self._checking = asyncio.Lock()
 
     def start(self) -> None:
-        """Begin with those that the first page needs."""
-        self._checker = self._made()
+        """Begin with the one that the first page needs; a second one would take the same time from it."""
         self._idle.append(self._made())
 
     def _made(self) -> Process:

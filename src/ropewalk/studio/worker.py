@@ -6,6 +6,7 @@ Everything that reads a scenario of somebody does it here, with a limit on memor
 from __future__ import annotations
 
 import contextlib
+import importlib
 import json
 import multiprocessing
 import os
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 
 MOST_NODES = 50_000  # of a scenario in the studio
 _FAREWELL = 1.0  # s, from the end of the server
+EARLY = ("ropewalk.studio.streams", "xarray", "netCDF4", "ropewalk.studio.lesson", "ropewalk.studio.poses")
 ACKNOWLEDGED = -1  # ticket of the message that a stop has been heard
 Answer = dict[str, Any]
 
@@ -53,8 +55,9 @@ def main(pipe: Connection, folder: str, allow_code: bool, memory: int, processes
         _bound("RLIMIT_DATA", memory, is_final=True)
     if (server := multiprocessing.parent_process()) is not None:
         threading.Thread(target=_leave_with, args=(server,), daemon=True).start()
-    import ropewalk.studio.streams  # noqa: F401  (while the first page is loaded)
-
+    for name in EARLY:  # while the first page is loaded
+        if not pipe.poll():
+            importlib.import_module(name)
     worker = ComputingProcess(pipe, Path(folder), allow_code, processes, disk)
     with contextlib.suppress(EOFError, OSError, KeyboardInterrupt):
         while True:
