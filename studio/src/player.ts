@@ -4,7 +4,7 @@ import type { Film, Frame, Layout } from "./film";
 import { type Picture, type State, said } from "./picture";
 import { Plots } from "./plots";
 import { Stage, type View } from "./stage";
-import { written } from "./units";
+import { ends, written } from "./units";
 
 const SPEEDS = [0.02, 0.1, 0.25, 0.5, 1, 2, 5].map((value) => [`${value}`, `${value} × speed`] as const);
 const FACTORS = [0, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].map(
@@ -275,11 +275,7 @@ export function numbersOf(film: Described, frame: Frame, dragged = ""): [string,
   for (const quantity of new Map(quantities.map((one) => [one?.name, one])).values()) {
     const shown = quantity && film.state.ranges[quantity.name];
     if (!shown) continue;
-    let [low, high] = [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY];
-    for (const value of frame[quantity.name] ?? []) {
-      if (value < low) low = value;
-      if (value > high) high = value;
-    }
+    const [low, high] = ends(frame[quantity.name] ?? []);
     rows.push([`largest ${quantity.label}`, said(high / shown.size, shown, 4)]);
     rows.push([`smallest ${quantity.label}`, said(low / shown.size, shown, 4)]);
   }

@@ -2,6 +2,7 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { coloursOf } from "./dom";
 import type { Film } from "./film";
+import { ends } from "./units";
 
 const KEY = "ropewalk";
 const LABELLED = 12; // most loads whose forces are shown
@@ -161,7 +162,7 @@ function curves(film: Film, colour: (name: string) => string, prefix: string): {
   const { colour: quantity, diagrams } = film.picture;
   const shown = quantity && film.state.ranges[quantity.name];
   if (quantity && shown && !found.some(({ title }) => title.startsWith(quantity.label))) {
-    const most = film.series(quantity.name, (f) => largest(f[quantity.name])).map((value) => value / shown.size);
+    const most = film.series(quantity.name, (f) => ends(f[quantity.name])[1]).map((value) => value / shown.size);
     const title = `largest ${quantity.label} (${shown.unit})`;
     found.push({ title, curves: [{ name: prefix + quantity.label, colour: colour("--accent"), values: most }] });
   }
@@ -181,12 +182,6 @@ function curves(film: Film, colour: (name: string) => string, prefix: string): {
     });
   }
   return found;
-}
-
-function largest(values: Float32Array): number {
-  let most = Number.NEGATIVE_INFINITY;
-  for (const value of values) if (value > most) most = value;
-  return most;
 }
 
 /** The values of a curve over all frames of a result at those that are shown. */

@@ -80,10 +80,19 @@ export function arrow(ink: CanvasRenderingContext2D, [x, z]: Spot, [a, b]: Spot,
   ink.fill();
 }
 
-function dot(ink: CanvasRenderingContext2D, [x, z]: Spot, radius: number): void {
+export function dot(ink: CanvasRenderingContext2D, [x, z]: Spot, radius: number): void {
   ink.beginPath();
   ink.arc(x, z, radius, 0, 2 * Math.PI);
   ink.fill();
+}
+
+/** A text with a margin in the colour of the ground. */
+export function label({ ink, colour }: Pen, text: string, [x, z]: Spot, fill: string): void {
+  ink.lineWidth = 3;
+  ink.strokeStyle = colour("--panel");
+  ink.fillStyle = fill;
+  ink.strokeText(text, x, z);
+  ink.fillText(text, x, z);
 }
 
 /** A box on wheels that stand on the line. */
