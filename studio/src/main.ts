@@ -1,7 +1,7 @@
 import { type ByHand, intoText, saidByHand } from "./byhand";
 import type { Sweep } from "./cases";
 import { besides, type Models, models } from "./compare";
-import { Connection, type Heard } from "./connection";
+import { Connection, type Heard, wrongOf } from "./connection";
 import { button, choices, coloursOf, element, folded } from "./dom";
 import { type Doubt, listed } from "./doubts";
 import { Drag } from "./drag";
@@ -36,11 +36,8 @@ const stop = button("Stop", undefined, { disabled: "" });
 const drag = button("Drag the load", undefined, { title: "Drag the load; the rope answers" });
 const keep = button("Keep beside", undefined, { title: "Draw this run faintly under the next one" });
 const theme = button("◐", undefined, { class: "icon", "aria-label": "Light or dark", title: "Light or dark" });
-const large = button("A", undefined, {
-  class: "icon",
-  "aria-label": "Large type",
-  title: "Large type, for projectors",
-});
+const largely = { class: "icon", "aria-label": "Large type", title: "Large type, for projectors" };
+const large = button("A", undefined, largely);
 const player = new Player("The structure; arrow keys move the load or step through time");
 const { stage, canvas, plotted, numbers } = player;
 const said = element("div");
@@ -54,21 +51,18 @@ const written = element("div", { class: "editor" });
 const problems = element("ul", { class: "problems", "aria-label": "Mistakes", "aria-live": "polite" });
 const values = element("div", { class: "values" });
 const lessons = element("div");
-const filled = element("div");
-const swept = element("div");
 const computeSweep = button("Compute the sweep", () => sweepCases());
 
 const tabs = {
   values: element("div", { class: "tab" }, values),
-  form: element("div", { class: "tab", hidden: "" }, filled),
-  text: element("div", { class: "tab text", hidden: "" }, written, problems),
-  result: element("div", { class: "tab", hidden: "" }, said, exports, summary, compareModels, compared),
-  sweep: element("div", { class: "tab", hidden: "" }, swept),
-  lesson: element("div", { class: "tab", hidden: "" }, lessons),
+  form: element("div", { class: "tab" }),
+  text: element("div", { class: "tab text" }, written, problems),
+  result: element("div", { class: "tab" }, said, exports, summary, compareModels, compared),
+  sweep: element("div", { class: "tab" }),
+  lesson: element("div", { class: "tab" }, lessons),
 };
 const measured = element("div", {}, element("h2", {}, "Numbers"), numbers); // in the tab that is shown: of a lesson, too
-const names = { values: "Values", form: "Form", text: "Text", result: "Result", sweep: "Sweep", lesson: "Lesson" };
-const { bar, show } = tabbed(tabs, names, (key) => {
+const { bar, show } = tabbed(tabs, (key) => {
   if (key === "values" || key === "lesson") tabs[key].append(measured);
   if (key === "form") form.show(editor.text);
 });
@@ -119,7 +113,7 @@ const editor = new Editor(written, () => {
   clearTimeout(checking);
   checking = setTimeout(() => check(true), 300);
 });
-const form = new Form(filled, {
+const form = new Form(tabs.form, {
   change: (text) => editor.change(text),
   undo: () => editor.undo(),
   redo: () => editor.redo(),
@@ -136,16 +130,16 @@ const dragging = new Drag(server, stage, canvas, values, {
   taken: takeOver,
   released: (pose) => compute("release", { pose }),
 });
-const sweeps = new SweepTab(swept, server, computeSweep, {
+const sweeps = new SweepTab(tabs.sweep, server, computeSweep, {
   tell,
   see: (text) => compute("run", { text, name: "case.yaml", unkept: true }),
   open: (text) => {
-    if (editor.text !== clean && !confirm("The text has changes that are not saved. Open another one?")) return;
+    if (!mayLeave()) return;
     begun("", "", text);
     show("text");
   },
 });
-const lesson = new Lesson(lessons, async (step) => begin(step));
+const lesson = new Lesson(lessons, begin);
 
 function tell(text: string, bad = false): void {
   status.textContent = text;
@@ -264,8 +258,7 @@ async function chosen(): Promise<void> {
   const [kind, name] = [open.value.slice(0, open.value.indexOf(":")), open.value.slice(open.value.indexOf(":") + 1)];
   open.value = "";
   if (kind === "result") return result(name);
-  if (!(await halted())) return;
-  if (editor.text !== clean && !confirm("The text has changes that are not saved. Open another one?")) return;
+  if (!(await halted()) || !mayLeave()) return;
   if (kind === "file") await read(name);
   if (kind === "template") begun("", "", templates.find((t) => t.name === name)?.text ?? "");
 }
@@ -276,12 +269,21 @@ async function read(name: string): Promise<void> {
   begun(name, String(head.stamp), String(head.text));
 }
 
-function begun(name: string, stamp: string, text: string): void {
+/** Whether the text may be replaced by another one. */
+function mayLeave(): boolean {
+  return editor.text === clean || confirm("The text has changes that are not saved. Open another one?");
+}
+
+function put(name: string, stamp: string, text: string): void {
   file = { name, stamp };
   clean = text;
   editor.text = text;
   beside = undefined;
   if (!tabs.form.hidden) form.show(text);
+}
+
+function begun(name: string, stamp: string, text: string): void {
+  put(name, stamp, text);
   check();
   prepare();
 }
@@ -467,7 +469,7 @@ function ended(head: Record<string, unknown>): void {
   if (film) {
     film.complete(head);
     player.redraw();
-    const other = player.other;
+    const other = player.beside;
     if (other) compared.replaceChildren(besides(film.numbers, other.numbers, film.title, other.title));
   }
   if (!head.file) return;
@@ -505,8 +507,8 @@ async function extra(what: string, told: (head: Record<string, unknown>) => stri
   const given = { text: editor.text, name: file.name || "scenario.yaml" };
   const head = await computed(what, given, (message) => stop.disabled || under(told(message.head)), id);
   if (mine !== turn) return;
-  const wrong = (head.problems as Problem[] | undefined)?.[0]?.message ?? head.error;
-  if (wrong) return void tell(String(wrong), true);
+  const wrong = wrongOf(head);
+  if (wrong) return void tell(wrong, true);
   return head;
 }
 
@@ -526,11 +528,7 @@ async function sweepCases(id?: number): Promise<void> {
 
 async function begin(step: Step): Promise<void> {
   if (!(await halted())) return;
-  file = { name: "", stamp: "" };
-  clean = step.scenario;
-  beside = undefined;
-  editor.text = clean;
-  if (!tabs.form.hidden) form.show(clean);
+  put("", "", step.scenario);
   player.choose(step.pace);
   const given = { unkept: true };
   if (step.beside) {

@@ -20,7 +20,7 @@ export class Player {
   readonly stage: Stage;
   private plots = new Plots(this.plotted, (path) => this.go(path));
   private film?: Film;
-  private beside?: Film;
+  beside?: Film; // the run that is drawn faintly
   private view?: View;
   private now = 0; // s of the run, or m of the load's path
   private speed = 1;
@@ -45,14 +45,13 @@ export class Player {
   private placed = ""; // for which end and how many doubts the marks stand where they are
   private marks = element("span", { class: "marks" });
   private clock = element("output", { class: "clock" }, "0 s");
-  private pace = select("Speed", SPEEDS, () => this.chosen(), { title: "Speed" });
+  private pace = select("Speed", SPEEDS, () => this.chosen(), { title: "Speed", value: "1" });
   private larger = select("Exaggeration", FACTORS, () => this.chosen(), { title: "Exaggeration of displacements" });
 
   /** `label`: of the picture, for those who do not see it. */
   constructor(label: string) {
     this.canvas = element("canvas", { tabindex: "0", role: "img", "aria-label": label });
     this.stage = new Stage(this.canvas);
-    this.pace.value = "1";
     this.bar = element(
       "div",
       { class: "player", role: "group", "aria-label": "Film" },
@@ -95,11 +94,6 @@ export class Player {
     this.stage.draw();
   }
 
-  /** The run that is drawn beside. */
-  get other(): Film | undefined {
-    return this.beside;
-  }
-
   /** Mark the instants of doubts on the slider. */
   mark(doubts: Doubt[]): void {
     this.doubts = doubts;
@@ -107,15 +101,13 @@ export class Player {
     this.refresh();
   }
 
-  private place(film: Film): void {
-    const timed =
-      film.layout.path === "time" ? this.doubts.filter((one) => (one.time ?? film.end + 1) <= film.end) : [];
-    const marks = timed.map((one) => {
-      const time = one.time ?? 0;
-      const about = { title: `${one.text}`, "aria-label": `Doubt at ${time} s` };
-      const mark = button("!", () => this.stop(time), { class: "alert", ...about });
-      mark.style.left = `calc(8px + ${time / Math.max(film.end, 1e-9)} * (100% - 16px))`;
-      return mark;
+  private place({ layout, end }: Film): void {
+    const marks = this.doubts.flatMap(({ time, text }) => {
+      if (layout.path !== "time" || time === null || time > end) return [];
+      const about = { class: "alert", title: text, "aria-label": `Doubt at ${time} s` };
+      const mark = button("!", () => this.stop(time), about);
+      mark.style.left = `calc(8px + ${time / Math.max(end, 1e-9)} * (100% - 16px))`;
+      return [mark];
     });
     this.marks.replaceChildren(...marks);
   }
@@ -192,10 +184,9 @@ export class Player {
       const rate = film.layout.path === "time" ? this.speed : this.speed * 0.2 * Math.max(film.end, 1e-9);
       this.now += (rate * Math.min(clock - this.last, 100)) / 1000;
       this.last = clock;
-      const ended = film.count >= film.total || this.isOver;
       if (this.now >= film.end) {
         this.now = film.end;
-        if (ended) this.playing = false;
+        this.playing = film.count < film.total && !this.isOver;
       }
       requestAnimationFrame(this.tick);
     }
@@ -239,10 +230,7 @@ export class Player {
 /** What is to be in view all the time, displacements being so much larger. */
 export function viewOf(film: Film, factor: number, beside?: Film): View {
   const films = beside?.count ? [film, beside] : [film];
-  const box = (axis: number): [number, number] => {
-    const all = films.map((one) => one.box(axis, factor));
-    return [Math.min(...all.map(([low]) => low)), Math.max(...all.map(([, high]) => high))];
-  };
+  const box = (axis: number) => ends(films.flatMap((one) => one.box(axis, factor)));
   const [x, z] = [box(0), box(film.layout.axes.length - 1)];
   const most = (name: string) => Math.max(...films.map((one) => one.most(name)));
   const w = x[1] - x[0];
