@@ -38,7 +38,7 @@ const dot = (a: ArrayLike<number>, b: Place) => a[0] * b[0] + a[1] * b[1] + a[2]
 
 /** A camera that goes around lines and nets in space: by mouse, fingers and keys. */
 export class Camera {
-  private bar = element("div", { class: "cameras", role: "group", "aria-label": "Camera" });
+  private bar = element("div", { class: "row cameras", role: "group", "aria-label": "Camera" });
   private view = "Perspective";
   private target: Place = [0, 0, 0]; // what it looks at, m
   private offset: Place = [0, -1, 0]; // from there to the camera, m

@@ -1,4 +1,5 @@
 import { button, choices, element, select } from "./dom";
+import type { Editor } from "./editor";
 import { Source } from "./edits";
 import { type Field, fieldsOf, joined } from "./fields";
 import type { Schema } from "./schema";
@@ -17,13 +18,6 @@ interface Row {
   update?: (field: Field) => void;
 }
 
-/** What a form does to the text. */
-export interface Actions {
-  change: (text: string) => void;
-  undo: () => void;
-  redo: () => void;
-}
-
 let count = 0; // of rows made, for names that labels refer to
 
 /** The scenario as a form, beside its text: both show the same, and a change here changes that one place there. */
@@ -40,10 +34,10 @@ export class Form {
 
   constructor(
     place: HTMLElement,
-    private act: Actions,
+    private editor: Editor,
   ) {
-    const undo = button("Undo", act.undo, { title: "Undo (Ctrl+Z), also what was typed in the text" });
-    const redo = button("Redo", act.redo, { title: "Redo (Ctrl+Y)" });
+    const undo = button("Undo", () => editor.undo(), { title: "Undo (Ctrl+Z), also what was typed in the text" });
+    const redo = button("Redo", () => editor.redo(), { title: "Redo (Ctrl+Y)" });
     place.append(element("div", { class: "row" }, undo, redo), this.wrong, this.names, this.fields);
     place.addEventListener("keydown", (event) => this.pressed(event));
   }
@@ -117,7 +111,7 @@ export class Form {
       const text = make();
       const { wrong } = new Source(text);
       if (wrong) throw new Error(wrong);
-      this.act.change(text);
+      this.editor.change(text);
     } catch (error) {
       this.wrong.hidden = false;
       this.wrong.textContent = `This cannot be: ${(error as Error).message}.`;
@@ -315,8 +309,8 @@ export class Form {
     const { target } = event;
     if (target instanceof HTMLInputElement && target.value !== (target.dataset.value ?? "")) return; // its own undo
     event.preventDefault();
-    if (event.key === "z") this.act.undo();
-    else this.act.redo();
+    if (event.key === "z") this.editor.undo();
+    else this.editor.redo();
   }
 }
 

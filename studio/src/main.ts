@@ -113,11 +113,7 @@ const editor = new Editor(written, () => {
   clearTimeout(checking);
   checking = setTimeout(() => check(true), 300);
 });
-const form = new Form(tabs.form, {
-  change: (text) => editor.change(text),
-  undo: () => editor.undo(),
-  redo: () => editor.redo(),
-});
+const form = new Form(tabs.form, editor);
 const dragging = new Drag(server, stage, canvas, values, {
   shown: (scene, load) => {
     if (!running) under("");
@@ -296,8 +292,17 @@ async function write(name: string, stamp: string): Promise<void> {
   clean = text;
   mark();
   tell(`${name} saved`);
-  list((await server.ask("files")).head);
+  refresh();
 }
+
+/** List the files of the folder anew. */
+async function refresh(): Promise<void> {
+  const { head } = await server.ask("files");
+  if (!head.error) list(head);
+}
+
+/** What is computed: the text, and the name of its file. */
+const given = () => ({ text: editor.text, name: file.name || "scenario.yaml" });
 
 saveAs.onclick = () => {
   const name = prompt("Name of the file, in the folder of the studio", file.name || "scenario.yaml");
@@ -307,7 +312,7 @@ saveAs.onclick = () => {
 // -- Text -------------------------------------------------------------------------------------------------------
 
 async function check(prepares = false): Promise<boolean> {
-  const { head } = await server.ask("check", { text: editor.text, name: file.name || "scenario.yaml" });
+  const { head } = await server.ask("check", given());
   const found = (head.problems as Problem[]) ?? [{ line: 1, key: "", message: String(head.error) }];
   editor.show(found);
   mistakes = found;
@@ -333,7 +338,7 @@ async function prepare(): Promise<void> {
   if (!(await halted())) return;
   const mine = anew();
   under("setting up");
-  const message = await server.ask("prepare", { text: editor.text, name: file.name || "scenario.yaml" });
+  const message = await server.ask("prepare", given());
   const { head } = message;
   if (mine !== turn) return;
   under("");
@@ -353,7 +358,7 @@ run.onclick = async () => {
   const said = hand ? saidByHand(hand) : [];
   const asked = `Changed by hand, and not in the text: ${said.join("; ")}.\n\nOK: write it into the text and run that. Cancel: run the text as it is.`;
   if (hand && said.length && confirm(asked) && !takeOver(hand)) return;
-  compute("run", { text: editor.text, name: file.name || "scenario.yaml" });
+  compute("run", given());
 };
 stop.onclick = () => {
   stop.disabled = true;
@@ -378,21 +383,21 @@ async function computed(what: string, given: object, heard: Heard, id?: number):
   const asked = server.ask(id ? "resume" : what, given, told, id);
   running = asked;
   isKept = what !== "release" && !("unkept" in given && given.unkept);
-  const buttons = [run, computeSweep, compareModels];
   function told(message: Message): void {
     if (message.head.event !== "stopped") return heard(message);
-    under("stopped; completing the result");
-    for (const button of buttons) button.disabled = false;
+    busy(false, "stopped; completing the result");
   }
-  stop.disabled = false;
-  for (const button of buttons) button.disabled = true;
-  under("setting up");
+  busy(true, "setting up");
   const { head } = await asked;
   running = undefined;
-  stop.disabled = true;
-  for (const button of buttons) button.disabled = false;
-  under("");
+  busy(false, "");
   return head;
+}
+
+function busy(isBusy: boolean, text: string): void {
+  stop.disabled = !isBusy;
+  for (const button of [run, computeSweep, compareModels]) button.disabled = isBusy;
+  under(text);
 }
 
 /** Run something and show it; false if something else is shown by the time that it has ended. */
@@ -407,7 +412,7 @@ async function compute(
   player.isOver = false;
   const head = await computed(what, given, (message) => heard(message, mine, other ?? undefined), id);
   player.isOver = true;
-  server.ask("files").then(({ head }) => head.error || list(head));
+  refresh();
   if (mine !== turn) return false;
   if (head.replaces && confirm(`${head.replaces} holds no result of this scenario. Replace it?`))
     return compute(what, { ...given, overwrite: true }, { other, step });
@@ -445,7 +450,7 @@ function doubts(told: { warnings?: string[]; doubts?: Doubt[] }): void {
     show("form");
     form.goTo(key);
   };
-  said.replaceChildren(...listed(doubtful, told.warnings ?? [], { go: (time) => player.stop(time), open }));
+  said.replaceChildren(...listed(doubtful, told.warnings ?? [], (time) => player.stop(time), open));
 }
 
 /** What the form tells at its fields: mistakes, and doubts about the run that is shown. */
@@ -504,8 +509,7 @@ async function extra(what: string, told: (head: Record<string, unknown>) => stri
   await opening;
   if (!(await halted())) return;
   const mine = turn;
-  const given = { text: editor.text, name: file.name || "scenario.yaml" };
-  const head = await computed(what, given, (message) => stop.disabled || under(told(message.head)), id);
+  const head = await computed(what, given(), (message) => stop.disabled || under(told(message.head)), id);
   if (mine !== turn) return;
   const wrong = wrongOf(head);
   if (wrong) return void tell(wrong, true);
@@ -522,8 +526,7 @@ async function simplerModels(id?: number): Promise<void> {
 async function sweepCases(id?: number): Promise<void> {
   const head = await extra("sweep", ({ done, total }) => `computing: ${done} of ${total} cases`, id);
   if (head) sweepFound(head);
-  const files = (await server.ask("files")).head;
-  if (!files.error) list(files);
+  refresh();
 }
 
 async function begin(step: Step): Promise<void> {
@@ -551,7 +554,7 @@ large.onclick = () => {
 };
 function redraw(): void {
   player.redraw();
-  sweeps.draw();
+  sweeps.map.draw();
 }
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
 addEventListener("keydown", (event) => {

@@ -190,7 +190,7 @@ export class SweepMap {
 
   /** Colours of a quantity, with their scale in the corner. */
   private scale(quantity: Column, values: number[], rows: number[]): (value: number) => string {
-    const table = steps(coloursOf(this.place)("--dark") === "1");
+    const table = steps(coloursOf(this.place));
     const [low, high] = endsOf(values, rows);
     const [part, right] = [90 / table.length, WIDTH - EDGE.right];
     for (const [i, fill] of table.entries())

@@ -61,10 +61,7 @@ export class Player {
       this.pace,
       this.larger,
     );
-    this.slider.oninput = () => {
-      this.playing = false;
-      this.go(this.slider.valueAsNumber);
-    };
+    this.slider.oninput = () => this.stop(this.slider.valueAsNumber);
   }
 
   private chosen(): void {

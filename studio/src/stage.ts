@@ -66,17 +66,14 @@ export class Stage {
   show(scene: Scene | undefined, view?: View): void {
     this.scene = scene;
     if (view) this.view = view;
-    if (this.orbits) this.orbit ??= new Camera(this.canvas, () => this.draw(), this.closing.signal);
     this.draw();
   }
 
-  private get orbits(): boolean {
-    return this.scene?.orbits === true && this.scene.layout.axes.length === 3 && !this.scene.picture.around;
-  }
-
-  /** The camera that is in use. */
+  /** The camera, where one goes around. */
   private get camera(): Camera | undefined {
-    return this.orbits ? this.orbit : undefined;
+    if (!this.scene?.orbits || this.scene.layout.axes.length < 3 || this.scene.picture.around) return undefined;
+    this.orbit ??= new Camera(this.canvas, () => this.draw(), this.closing.signal);
+    return this.orbit;
   }
 
   draw(): void {
@@ -315,7 +312,7 @@ export class Stage {
   private links(scene: Scene): void {
     const { layout, frame, reference, picture, state } = scene;
     const { ink, colour } = this.pen;
-    const names = steps(colour("--dark") === "1");
+    const names = steps(colour);
     const shown = picture.colour && state.ranges[picture.colour.name];
     const tint = (value: number) =>
       shown && Number.isFinite(value) ? names[stepOf(value / shown.size, shown.low, shown.high)] : colour("--faint");

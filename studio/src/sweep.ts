@@ -15,7 +15,7 @@ export interface Page {
 export class SweepTab {
   private exports = element("div", { class: "row" });
   private shown = element("div");
-  private map: SweepMap;
+  readonly map: SweepMap;
   private file = "";
   private hint = element(
     "p",
@@ -41,11 +41,6 @@ export class SweepTab {
     this.hint.hidden = true;
     this.exports.replaceChildren(...links(file, OF_SWEEPS, this.page.tell));
     this.map.show(sweep);
-  }
-
-  /** Light has become dark. */
-  draw(): void {
-    this.map.draw();
   }
 
   private async fetched(row: number, then: (text: string, title: string) => void): Promise<void> {

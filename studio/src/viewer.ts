@@ -38,26 +38,11 @@ export class Viewer {
       ...((beside?.ended.doubts as Doubt[]) ?? []).map(({ text }) => `${beside?.ended.title}: ${text}`),
     ];
     const over = beside ? [element("span", { class: "hint" }, `faint: ${beside.ended.title}`)] : [];
+    const warnings = distrusted.map((text) => element("p", { class: "doubt" }, text));
+    const section = element("section", { class: "stage" }, canvas, bar, plotted);
     this.parts = [
-      element(
-        "header",
-        {},
-        element("h1", {}, String(title)),
-        element("span", { class: "outcome" }, String(outcome)),
-        ...over,
-      ),
-      element(
-        "main",
-        {},
-        element("section", { class: "stage" }, canvas, bar, plotted),
-        element(
-          "aside",
-          {},
-          ...distrusted.map((text) => element("p", { class: "doubt" }, text)),
-          numbers,
-          ...folded(String(summary)),
-        ),
-      ),
+      element("header", {}, element("h1", {}, String(title)), element("span", {}, String(outcome)), ...over),
+      element("main", {}, section, element("aside", {}, ...warnings, numbers, ...folded(String(summary)))),
     ];
     this.film = filmOf(run);
     this.player.load(this.film, beside && filmOf(beside));
