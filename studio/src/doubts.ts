@@ -8,12 +8,7 @@ export interface Doubt {
 }
 
 /** Doubts and notes of a run as a list, with buttons that go to the time and open the key. */
-export function listed(
-  doubts: Doubt[],
-  notes: string[],
-  go: (time: number) => void,
-  open: (key: string) => void,
-): HTMLElement[] {
+export function listed(doubts: Doubt[], notes: string[], go: (time: number) => void, open: (key: string) => void) {
   return [
     ...doubts.map(({ text, time, key }) => {
       const made = element("p", { class: "doubt" }, `Not to be trusted: ${text} `);

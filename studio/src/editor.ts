@@ -25,7 +25,7 @@ export interface Problem {
 /** The scenario as text, with completion from the schema and mistakes at their lines. */
 export class Editor {
   private view: EditorView;
-  private schema?: Schema;
+  schema?: Schema; // for completion
 
   constructor(
     place: HTMLElement,
@@ -50,10 +50,6 @@ export class Editor {
         }),
       ],
     });
-  }
-
-  learn(schema: Schema): void {
-    this.schema = schema;
   }
 
   get text(): string {

@@ -8,6 +8,7 @@ import {
   type Node,
   type Pair,
   parseDocument,
+  type Scalar,
   visit,
 } from "yaml";
 
@@ -88,11 +89,8 @@ export class Source {
     if (isSeq(old) && !old.flow && raw) {
       const parts = parseDocument(value).contents;
       if (isSeq(parts) && parts.items.length === old.items.length && parts.items.every((part) => isScalar(part))) {
-        let text: Source = this;
-        parts.items.forEach((part, i) => {
-          text = new Source(text.set([...path, `${i}`], String((part as { source?: string }).source ?? "")));
-        });
-        return text.text;
+        const values = parts.items.map((part) => `${(part as Scalar).source}`);
+        return values.reduce<Source>((now, one, i) => new Source(now.set([...path, `${i}`], one)), this).text;
       }
     }
     if (pair && isMap(parent) && (!old || isEmpty(old) || (isCollection(old) && !old.flow))) {

@@ -140,18 +140,17 @@ export class Film {
   /** The smallest and the largest coordinate along an axis of what is drawn, displacements being so much larger. */
   box(axis: number, factor: number): [number, number] {
     const axes = this.layout.axes.length;
-    let [least, most] = [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY];
+    const places: number[] = [];
     const names = factor === 1 ? ["position", "contact_position", "body_position"] : ["position"];
     for (const name of names) {
       const { low, high } = this.envelope(name);
       for (let i = axis; i < low.length; i += axes) {
         if (!(high[i] >= low[i])) continue;
         const at = name === "position" ? this.reference[i] : low[i];
-        least = Math.min(least, at + factor * (low[i] - at), at);
-        most = Math.max(most, at + factor * (high[i] - at), at);
+        places.push(at, at + factor * (low[i] - at), at + factor * (high[i] - at));
       }
     }
-    return least <= most ? [least, most] : [0, 1];
+    return places.length ? ends(places) : [0, 1];
   }
 }
 

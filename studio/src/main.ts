@@ -17,12 +17,6 @@ import { SweepTab } from "./sweep";
 import { tabbed } from "./tabs";
 import "./style.css";
 
-interface Template {
-  name: string;
-  title: string;
-  text: string;
-}
-
 // -- What is on the page ----------------------------------------------------------------------------------------
 
 const status = element("span", { class: "status", role: "status" }, "connecting");
@@ -90,14 +84,13 @@ show("values");
 
 let file = { name: "", stamp: "" };
 let clean = ""; // the text as it is in the file
-let film: Film | undefined;
 let beside: Film | undefined;
 let running: Promise<unknown> | undefined; // what is computed
 let isKept = false; // whether it writes a result
 let turn = 0; // number of what is shown: answers to what was shown before are dropped
 let shown = ""; // result that was opened
 let checking = 0;
-let templates: Template[] = [];
+let templates: Record<"name" | "title" | "text", string>[] = [];
 let mistakes: Problem[] = [];
 let doubtful: Doubt[] = [];
 let toldOf = ""; // the doubts and notes that are shown
@@ -166,14 +159,10 @@ function mark(): void {
 function anew(hasPicture = false, step?: Step): number {
   dragging.leave();
   doubts({});
-  exports.replaceChildren();
-  summary.replaceChildren();
+  for (const part of [exports, summary, compared, numbers]) part.replaceChildren();
   shown = "";
-  compared.replaceChildren();
-  numbers.replaceChildren();
   player.leave();
   player.bar.hidden = true;
-  film = undefined;
   if (!hasPicture) stage.show(undefined);
   lesson.show(step);
   mark();
@@ -198,11 +187,11 @@ async function greet(): Promise<void> {
   const { head } = await server.ask("hello", { page: sessionStorage.getItem("page") ?? "" });
   if (head.error) return tell(String(head.error), true);
   sessionStorage.setItem("page", String(head.page));
-  templates = head.templates as Template[];
+  templates = head.templates as typeof templates;
   list(head);
   lesson.learn(head.lesson as Step[]);
   server.ask("schema").then((message) => {
-    editor.learn(message.head.schema as Schema);
+    editor.schema = message.head.schema as Schema;
     form.learn(message.head.schema as Schema);
   });
   if (head.under_way) return resume(head.under_way as Record<string, string>);
@@ -328,7 +317,7 @@ async function check(prepares = false): Promise<boolean> {
         )
       : [element("li", { class: "fine" }, "No mistakes.")]),
   );
-  if (prepares && !found.length && !running && !player.isActive) prepare();
+  if (prepares && !found.length && !running && !player.film) prepare();
   return !found.length;
 }
 
@@ -366,7 +355,7 @@ stop.onclick = () => {
   server.tell("stop");
 };
 keep.onclick = () => {
-  beside = film;
+  beside = player.film;
   tell(beside ? "kept; the next run is drawn over it" : "there is no run yet");
 };
 
@@ -426,10 +415,10 @@ function heard(message: Message, mine: number, other?: Film): void {
   const { head } = message;
   if (head.event === "state") under(String(head.state));
   else if (head.event === "layout") {
-    film = new Film(message);
     player.bar.hidden = false;
-    player.load(film, other);
-  } else if (film) {
+    player.load(new Film(message), other);
+  } else if (player.film) {
+    const { film } = player;
     film.add(message);
     player.more();
     const told = head.run as { warnings: string[]; doubts: Doubt[] } | undefined;
@@ -471,10 +460,10 @@ function ended(head: Record<string, unknown>): void {
   doubts(head as { warnings: string[]; doubts: Doubt[] });
   if (head.advice) said.prepend(element("p", { class: "hint" }, String(head.advice)));
   summary.replaceChildren(...folded(String(head.summary)));
+  const { film, beside: other } = player;
   if (film) {
     film.complete(head);
     player.redraw();
-    const other = player.beside;
     if (other) compared.replaceChildren(besides(film.numbers, other.numbers, film.title, other.title));
   }
   if (!head.file) return;
@@ -536,7 +525,7 @@ async function begin(step: Step): Promise<void> {
   const given = { unkept: true };
   if (step.beside) {
     if (!(await compute("lesson", { ...given, name: `${step.name}.beside` }, { other: null, step }))) return;
-    beside = film;
+    beside = player.film;
   }
   await compute("lesson", { ...given, name: step.name }, { step });
 }
@@ -567,10 +556,8 @@ addEventListener("keydown", (event) => {
     const target = event.target as HTMLElement;
     const isOurs = target === canvas || target === document.body;
     if (!isOurs && !(by && (target.tagName === "BUTTON" || target.getAttribute("aria-label") === "Time"))) return;
-    if (event.key === " ") player.toggle();
-    else if (by && player.isActive) player.step(by);
-    else if (by) dragging.nudge(by);
-    else return;
+    if (by && !player.film) dragging.nudge(by);
+    else if (!player.press(event.key)) return;
   }
   event.preventDefault();
 });

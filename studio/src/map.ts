@@ -112,23 +112,17 @@ export class SweepMap {
       const named = options.map((one) => [one, one || "–"] as const);
       return element("label", {}, label, select(label, named, choose, { value: now }));
     };
+    const set = (key: "quantity" | "x" | "y") => (value: string) => {
+      if (key === "x" && value === this.chosen.y) this.chosen.y = this.chosen.x;
+      this.chosen[key] = value;
+    };
     const quantities = sweep.quantities.map((column) => column.name);
-    const made = [
-      labelled("Quantity", quantities, this.chosen.quantity, (value) => {
-        this.chosen.quantity = value;
-      }),
-      labelled("Along x", names, this.chosen.x, (value) => {
-        if (value === this.chosen.y) this.chosen.y = this.chosen.x;
-        this.chosen.x = value;
-      }),
-    ];
     const others = [NOTHING, ...names.filter((name) => name !== this.chosen.x)];
-    if (others.length > 1)
-      made.push(
-        labelled("Along y", others, this.chosen.y, (value) => {
-          this.chosen.y = value;
-        }),
-      );
+    const made = [
+      labelled("Quantity", quantities, this.chosen.quantity, set("quantity")),
+      labelled("Along x", names, this.chosen.x, set("x")),
+    ];
+    if (others.length > 1) made.push(labelled("Along y", others, this.chosen.y, set("y")));
     this.fixed = new Map([...this.fixed].filter(([name]) => name !== this.chosen.x && name !== this.chosen.y));
     for (const column of sweep.grid ? sweep.parameters : []) {
       const values = levels(column);

@@ -19,7 +19,7 @@ export class Player {
   readonly numbers = element("dl", { class: "numbers", "aria-live": "off" });
   readonly stage: Stage;
   private plots = new Plots(this.plotted, (path) => this.go(path));
-  private film?: Film;
+  film?: Film;
   beside?: Film; // the run that is drawn faintly
   private view?: View;
   private now = 0; // s of the run, or m of the load's path
@@ -115,10 +115,6 @@ export class Player {
     this.go(path);
   }
 
-  get isActive(): boolean {
-    return this.film !== undefined;
-  }
-
   /** Show another run, from its beginning. */
   load(film: Film, beside?: Film): void {
     this.film = film;
@@ -161,6 +157,15 @@ export class Player {
     this.playing = false;
     const i = Math.max(0, Math.min(this.film.count - 1, this.film.at(this.now) + by));
     this.go(this.film.path[i]);
+  }
+
+  /** Play by space, step by arrow keys; false if the key means nothing. */
+  press(key: string): boolean {
+    if (key === " ") this.toggle();
+    else if (key === "ArrowRight") this.step(1);
+    else if (key === "ArrowLeft") this.step(-1);
+    else return false;
+    return true;
   }
 
   /** Show frames that have come, with the next picture: many messages may come before it. */
@@ -266,8 +271,7 @@ export function numbersOf(film: Described, frame: Frame, dragged = ""): [string,
   }
   const loads = film.layout.loads.length > 12 ? [] : film.layout.loads.slice(0, 4);
   loads.forEach((name, k) => {
-    const behind = frame.contact_tension?.[2 * k];
-    const ahead = frame.contact_tension?.[2 * k + 1];
+    const [behind, ahead] = frame.contact_tension?.subarray(2 * k) ?? [];
     const [x, z] = [frame.contact_position[k * axes], frame.contact_position[k * axes + axes - 1]];
     rows.push([`${name}: place x, z`, `${written(x, "m", 4)}, ${written(z, "m", 4)}`]);
     if (name === dragged && frame.ghost?.length)

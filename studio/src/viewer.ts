@@ -55,13 +55,10 @@ export class Viewer {
     this.player.more();
   }
 
-  /** Play by space, step by arrow keys; true if the key meant something. */
+  /** Play and step by keys; true if the key meant something. */
   key(event: KeyboardEvent): boolean {
-    if (event.target instanceof HTMLSelectElement || event.target instanceof HTMLButtonElement) return false;
-    if (event.key === " ") this.player.toggle();
-    else if (event.key === "ArrowRight") this.player.step(1);
-    else if (event.key === "ArrowLeft") this.player.step(-1);
-    else return false;
+    const isControl = event.target instanceof HTMLSelectElement || event.target instanceof HTMLButtonElement;
+    if (isControl || !this.player.press(event.key)) return false;
     event.preventDefault();
     return true;
   }
