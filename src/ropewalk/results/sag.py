@@ -84,6 +84,11 @@ def _contacts(dataset: xr.Dataset, line: str) -> tuple[Array, Array]:
     return np.where(touch[..., None], place, np.nan), np.where(touch, xi, np.nan)
 
 
+def supported(dataset: xr.Dataset, line: str) -> Array:
+    """Return xi of the points that a line hangs from, (frame, knot) m, in their order."""
+    return _knots(dataset, line, *_nodes(dataset, line))[1]
+
+
 def _knots(dataset: xr.Dataset, line: str, place: Array, xi: Array) -> tuple[Array, Array]:
     """Return places (frame, knot, axis) and xi (frame, knot) of what a line hangs from, m, in the order of xi.
 
