@@ -218,7 +218,7 @@ async function resume({ id, do: what, text = "", name = "", unkept }: Record<str
   }
   if (what === "sweep") sweepCases(Number(id));
   else if (what === "models") simplerModels(Number(id));
-  else compute("resume", { unkept: unkept || what === "release" }, { id: Number(id) });
+  else compute("resume", { unkept: unkept || what === "release" }, Number(id));
 }
 
 function list(head: Record<string, unknown>): void {
@@ -389,25 +389,21 @@ function busy(isBusy: boolean, text: string): void {
   under(text);
 }
 
-/** Run something and show it; false if something else is shown by the time that it has ended. */
-async function compute(
-  what: string,
-  given: Record<string, unknown>,
-  { other = beside, step, id }: { other?: Film | null; step?: Step; id?: number } = {},
-): Promise<boolean> {
-  if (!(await halted())) return false;
-  const mine = anew(!given.unkept, step);
+/** Run something, and show it unless something else is shown by then. */
+async function compute(what: string, given: Record<string, unknown>, id?: number): Promise<void> {
+  if (!(await halted())) return;
+  const mine = anew(!given.unkept);
   tell("");
   player.isOver = false;
-  const head = await computed(what, given, (message) => heard(message, mine, other ?? undefined), id);
+  const other = beside;
+  const head = await computed(what, given, (message) => heard(message, mine, other), id);
   player.isOver = true;
   refresh();
-  if (mine !== turn) return false;
+  if (mine !== turn) return;
   if (head.replaces && confirm(`${head.replaces} holds no result of this scenario. Replace it?`))
-    return compute(what, { ...given, overwrite: true }, { other, step });
+    return compute(what, { ...given, overwrite: true });
   if (head.replaces) tell(`${head.replaces} was not replaced`, true);
   else ended(head);
-  return true;
 }
 
 function heard(message: Message, mine: number, other?: Film): void {
@@ -470,15 +466,22 @@ function ended(head: Record<string, unknown>): void {
   exports.append(...links(String(head.file), OF_RUNS, tell));
 }
 
-async function result(name: string): Promise<void> {
-  if (!(await halted())) return;
-  const mine = anew();
+/** Show what is computed already; returns how it ended, or nothing if something else is shown by then. */
+async function stored(what: "result" | "lesson", name: string, step?: Step) {
+  const mine = anew(false, step);
   player.isOver = false; // a film plays until its last frame has come
   under("opening");
-  const { head } = await server.ask("result", { name }, (message) => heard(message, mine, beside));
-  player.isOver = true;
+  const { head } = await server.ask(what, { name }, (message) => heard(message, mine, beside));
   if (mine !== turn) return;
+  player.isOver = true;
   under("");
+  return head;
+}
+
+async function result(name: string): Promise<void> {
+  if (!(await halted())) return;
+  const head = await stored("result", name);
+  if (!head) return;
   shown = name;
   mark();
   if (head.sweep) return sweepFound(head);
@@ -522,12 +525,12 @@ async function begin(step: Step): Promise<void> {
   if (!(await halted())) return;
   put("", "", step.scenario);
   player.choose(step.pace);
-  const given = { unkept: true };
-  if (step.beside) {
-    if (!(await compute("lesson", { ...given, name: `${step.name}.beside` }, { other: null, step }))) return;
-    beside = player.film;
+  for (const name of step.beside ? [`${step.name}.beside`, step.name] : [step.name]) {
+    const head = await stored("lesson", name, step);
+    if (!head) return; // another one was chosen meanwhile
+    ended(head);
+    if (name !== step.name) beside = player.film;
   }
-  await compute("lesson", { ...given, name: step.name }, { step });
 }
 
 // -- Keys -------------------------------------------------------------------------------------------------------

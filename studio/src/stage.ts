@@ -396,7 +396,8 @@ export class Stage {
     const text = `${name}${written(size, "N")}`;
     const wide = ink.measureText(text).width;
     const inside = way[0] < -0.3 ? Math.max(x, wide + 4) : Math.min(x, this.canvas.clientWidth - wide - 4);
-    const below = Math.max(z + (way[1] > 0.3 ? 10 : name ? -12 : 0), 60); // the title
+    const aside = name || inside !== x ? -12 : 0; // where it would stand on its arrow
+    const below = Math.max(z + (way[1] > 0.3 ? 10 : aside), 60); // the title
     label(this.pen, text, [inside, below], stroke);
     ink.textAlign = "left";
   }

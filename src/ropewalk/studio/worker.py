@@ -83,7 +83,7 @@ def _leave_with(server: Any) -> None:
 class ComputingProcess:
     """What answers questions."""
 
-    def __init__(self, pipe: Connection, folder: Path, allow_code: bool, processes: int, disk: int = 0) -> None:
+    def __init__(self, pipe: Connection, folder: Path, allow_code: bool, processes: int | None, disk: int = 0) -> None:
         self._pipe, self._folder, self._allow_code, self._processes = pipe, folder, allow_code, processes
         self._disk = disk
         self._dragging: Dragging | None = None
