@@ -192,8 +192,8 @@ function post(
     line(ink, [x1 - 16, z1], [x1 + 16, z1]);
   }
   ink.strokeStyle = colour("--ink");
-  const radius = kind === "saddle" ? Math.max(size * metre, 10) : 6;
-  const half = kind === "saddle" ? Math.min(0.5 * Math.PI, 26 / radius) : Math.PI;
+  const radius = kind === "saddle" ? Math.max(size * metre, 16) : 6;
+  const half = kind === "saddle" ? Math.min(Math.PI / 3, 26 / radius) : Math.PI;
   ink.lineWidth = 4;
   ink.beginPath();
   if (kind !== "tower") ink.arc(x, z + radius, radius, -0.5 * Math.PI - half, -0.5 * Math.PI + half);

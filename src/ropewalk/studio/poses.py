@@ -72,7 +72,7 @@ def force_of(scenario: Scenario, name: str) -> tuple[float, ...]:
 
 
 @dataclass(frozen=True)
-class Held:
+class DragSetup:
     """What is the same for all places of a dragged load: checked once, since checks took a third of an answer."""
 
     line: Any
@@ -89,7 +89,7 @@ class Dragging:
     def __init__(self, scenario: Scenario) -> None:
         self.scenario = scenario
         self.attributes = scenario_attributes(scenario)
-        self._held: tuple[Asked, Held] | None = None
+        self._kept: tuple[Asked, DragSetup] | None = None
         self._last: tuple[float, float, float] | None = None  # xi, x where that led, and dx/dxi
 
     def posed(self, asked: Asked) -> Pose:
@@ -98,17 +98,17 @@ class Dragging:
         Raises:
             RopewalkError: there is none, or what is asked cannot be.
         """
-        held = self._hold(asked)
-        first, last = held.line.start[0], held.line.end[0]
+        setup = self._setup_of(asked)
+        first, last = setup.line.start[0], setup.line.end[0]
         low, high = sorted((first + _EDGE * (last - first), last - _EDGE * (last - first)))
         x = min(max(asked.x, low), high)
-        length = held.line.distance if held.line.length is None else held.line.length
+        length = setup.line.distance if setup.line.length is None else setup.line.length
         mean = (last - first) / length
         before = self._last or (0.0, first, mean)
         for _ in range(_TRIES):
             xi = before[0] + (x - before[1]) / before[2]
             xi = min(max(xi, _EDGE * length), (1.0 - _EDGE) * length)
-            frame, layout = _equilibrium(held, asked.load, xi)
+            frame, layout = _equilibrium(setup, asked.load, xi)
             found = float(frame.contact_position[layout.contact_load.index(asked.load), 0])
             moved = xi - before[0]
             slope = (found - before[1]) / moved if abs(moved) > 1e-6 * length else mean
@@ -116,7 +116,7 @@ class Dragging:
             before = self._last = xi, found, slope if slope / mean > 0.05 else mean
             if abs(found - x) <= _NEAR * abs(last - first):
                 break
-        return Pose(frame, layout, xi, _linear_shape(held, self.scenario.gravity, found))
+        return Pose(frame, layout, xi, _linear_shape(setup, self.scenario.gravity, found))
 
     def released(self, asked: Asked, xi: float, until: float = 6.0) -> Scenario:
         """The motion that begins when the load is let go where it was dragged to: it slides along its line as a mass.
@@ -124,26 +124,26 @@ class Dragging:
         Raises:
             RopewalkError: without gravity nothing falls, or its force is no weight.
         """
-        held, gravity = self._hold(asked), self.scenario.gravity
-        if gravity <= 0.0 or not held.force[-1] < 0.0 or any(held.force[:-1]):
+        setup, gravity = self._setup_of(asked), self.scenario.gravity
+        if gravity <= 0.0 or not setup.force[-1] < 0.0 or any(setup.force[:-1]):
             raise RopewalkError("only a load with a vertical force can be released")
         on = self.scenario.loads[asked.load].on
-        mass = {"kind": "mass", "on": on, "mass": -held.force[-1] / gravity, "travel": {"kind": "free", "from": xi}}
+        mass = {"kind": "mass", "on": on, "mass": -setup.force[-1] / gravity, "travel": {"kind": "free", "from": xi}}
         run = Dynamic(until=until, every=1.0 / 60.0, start={"with_loads": True})
         return Scenario(
             title=f"{self.scenario.title}, released"[:200], gravity=gravity,
-            lines={on: _felt(held.line, held.wind)}, loads={asked.load: mass}, wind=held.wind, run=run,
+            lines={on: _felt(setup.line, setup.wind)}, loads={asked.load: mass}, wind=setup.wind, run=run,
         )  # fmt: skip
 
-    def _hold(self, asked: Asked) -> Held:
+    def _setup_of(self, asked: Asked) -> DragSetup:
         """Return what holds for all places of the load; the dragged load is a force on its line.
 
         Raises:
             RopewalkError: the load cannot be dragged, or a key of its line not be changed by hand.
         """
         same, own = replace(asked, x=0.0), self.scenario
-        if self._held is not None and self._held[0] == same:
-            return self._held[1]
+        if self._kept is not None and self._kept[0] == same:
+            return self._kept[1]
         if asked.load not in draggable(own):
             raise RopewalkError(f"load {asked.load}: forces and masses on lines can be dragged, nothing else")
         on = own.loads[asked.load].on
@@ -166,31 +166,31 @@ class Dragging:
             gravity=own.gravity, lines=lines, loads={**own.loads, asked.load: load}, joints=own.joints, wind=wind,
             run=Equilibrium(),
         )  # fmt: skip
-        held = Held(line, wind, force, scenario, load, _chord_of(on, line, own.gravity))
-        self._held, self._last = (same, held), None
-        return held
+        setup = DragSetup(line, wind, force, scenario, load, _chord_of(on, line, own.gravity))
+        self._kept, self._last = (same, setup), None
+        return setup
 
 
-def _equilibrium(held: Held, name: str, xi: float) -> tuple[Frame, Layout]:
+def _equilibrium(setup: DragSetup, name: str, xi: float) -> tuple[Frame, Layout]:
     """Return the equilibrium with the load at a place of its unstrained line."""
-    load = held.load.model_copy(update={"travel": held.load.travel.model_copy(update={"start": xi})})
-    scenario = held.scenario.model_copy(update={"loads": {**held.scenario.loads, name: load}})
+    load = setup.load.model_copy(update={"travel": setup.load.travel.model_copy(update={"start": xi})})
+    scenario = setup.scenario.model_copy(update={"loads": {**setup.scenario.loads, name: load}})
     run = run_of(scenario, RunInfo())
     return next(iter(run.blocks()))[0], run.layout
 
 
-def _linear_shape(held: Held, gravity: float, x: float) -> Array | None:
+def _linear_shape(setup: DragSetup, gravity: float, x: float) -> Array | None:
     """The string of the linear theory under its weight and the force, with its tension at rest without it.
 
     A force F at a on a string of span L under the tension T deflects it by F min(x, a) (L - max(x, a)) / (T L).
     """
-    chord = held.chord
+    chord = setup.chord
     if chord is None:
         return None
     a = (x - chord.start[0]) / chord.along[0]
     along: Array = np.sort(np.append(np.linspace(0.0, chord.length, LINEAR_POINTS), a))
     influence = np.minimum(along, a) * (chord.length - np.maximum(along, a)) / (chord.tension * chord.length)
-    push = chord.across @ np.array(held.force)
+    push = chord.across @ np.array(setup.force)
     down = np.append(np.zeros(chord.start.size - 1), -gravity)
     return np.asarray(chord.point(along, down) + np.outer(influence, push @ chord.across))
 
