@@ -1,7 +1,7 @@
 import { button, element } from "./dom";
 import type { Layout } from "./film";
 import type { Pen, Spot } from "./symbols";
-import { ticks, written } from "./units";
+import { ends, ticks, written } from "./units";
 
 type Place = [number, number, number];
 
@@ -38,7 +38,7 @@ const dot = (a: ArrayLike<number>, b: Place) => a[0] * b[0] + a[1] * b[1] + a[2]
 
 /** A camera that goes around lines and nets in space: by mouse, fingers and keys. */
 export class Camera {
-  private bar = element("div", { class: "cameras", role: "group", "aria-label": "Camera" });
+  private bar = element("div", { class: "row cameras", role: "group", "aria-label": "Camera" });
   private view = "Perspective";
   private target: Place = [0, 0, 0]; // what it looks at, m
   private offset: Place = [0, -1, 0]; // from there to the camera, m
@@ -89,10 +89,9 @@ export class Camera {
     this.size = [width, height];
     if (this.layout === layout) return;
     this.layout = layout;
-    const along = [0, 1, 2].map((a) => position.filter((_, i) => i % 3 === a));
-    const ends = along.map((all) => [all.reduce((x, y) => Math.min(x, y)), all.reduce((x, y) => Math.max(x, y))]);
-    this.target = ends.map(([low, high]) => (low + high) / 2) as Place;
-    const [x, y, z] = ends.map(([low, high]) => high - low);
+    const box = [0, 1, 2].map((a) => ends(position.filter((_, i) => i % 3 === a)));
+    this.target = box.map(([low, high]) => (low + high) / 2) as Place;
+    const [x, y, z] = box.map(([low, high]) => high - low);
     this.radius = Math.max(0.5 * Math.hypot(x, y, z), 1e-6) / Math.min(1, width / height);
     const side = 2.4 * Math.max(x, y);
     this.spacing = ticks(0, side, 12)[1] || 1;

@@ -1,3 +1,5 @@
+import { short } from "./units";
+
 /** A column of a sweep: one entry for each case. */
 export interface Column {
   name: string;
@@ -61,6 +63,6 @@ export function nextFrom(points: Map<number, [number, number]>, row: number, dx:
 /** A number with four digits, as a table has it. */
 export function told(value: number | string | null, unit = ""): string {
   if (value === null) return "–";
-  const text = typeof value === "number" ? `${Number(value.toPrecision(4))}`.replace("-", "−") : value;
+  const text = typeof value === "number" ? short(value, 4) : value;
   return unit && unit !== "1" ? `${text} ${unit}` : text;
 }

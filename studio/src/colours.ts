@@ -25,10 +25,10 @@ function table(stops: number[][]): string[] {
   });
 }
 
-const TABLES = { light: table(STOPS), dark: table(BRIGHT) };
+const [LIGHT, DARK] = [table(STOPS), table(BRIGHT)];
 
-export function steps(dark: boolean): string[] {
-  return dark ? TABLES.dark : TABLES.light;
+export function steps(colour: Pen["colour"]): string[] {
+  return colour("--dark") === "1" ? DARK : LIGHT;
 }
 
 /** Which step of the scale a value has. */
@@ -39,7 +39,7 @@ export function stepOf(value: number, low: number, high: number): number {
 
 /** Draw the scale of a quantity at the top right, with its range. */
 export function bar({ ink, colour }: Pen, label: string, shown: Shown, width: number): void {
-  const names = steps(colour("--dark") === "1");
+  const names = steps(colour);
   const [wide, right] = [Math.min(shown.unit.length < 3 ? 150 : 190, 0.35 * width), width - 26];
   for (let k = 0; k < wide; k++) {
     ink.fillStyle = names[Math.floor((k / wide) * names.length)];

@@ -1,5 +1,6 @@
 import { told } from "./cases";
 import { element } from "./dom";
+import { short } from "./units";
 
 /** Numbers of a run by their names, with their units. */
 export type Numbers = Record<string, [number, string]>;
@@ -20,11 +21,9 @@ export function differences(now: Numbers, beside: Numbers): [string, string, str
     if (!other || other[1] !== unit) continue;
     const size = Math.max(Math.abs(value), Math.abs(other[0]));
     if (!(Math.abs(value - other[0]) > 1e-6 * size)) continue;
-    const part =
-      Math.abs(other[0]) > 1e-9 * size
-        ? `${told(Number(((100 * (value - other[0])) / Math.abs(other[0])).toPrecision(3)))} %`
-        : "–";
-    found.push([name, told(value, unit), told(other[0], unit), part]);
+    const part = (100 * (value - other[0])) / Math.abs(other[0]);
+    const isRounding = Math.abs(other[0]) <= 1e-9 * size;
+    found.push([name, told(value, unit), told(other[0], unit), isRounding ? "–" : `${short(part, 3)} %`]);
   }
   return found;
 }
@@ -54,13 +53,11 @@ export function models(found: Models): HTMLElement {
 }
 
 function tableOf([head, ...rows]: string[][]): HTMLElement {
-  const made = element("table");
-  const line = (cells: string[], tag: "th" | "td") =>
-    element(
-      "tr",
-      {},
-      ...cells.map((text, i) => element(i ? tag : "th", i && tag === "td" ? {} : { scope: "col" }, text)),
-    );
-  made.append(element("thead", {}, line(head, "th")), element("tbody", {}, ...rows.map((row) => line(row, "td"))));
-  return element("div", { class: "scroll", tabindex: "0" }, made);
+  const header = (text: string) => element("th", { scope: "col" }, text);
+  const lines = rows.map(([name, ...cells]) =>
+    element("tr", {}, header(name), ...cells.map((text) => element("td", {}, text))),
+  );
+  const titles = element("thead", {}, element("tr", {}, ...head.map(header)));
+  const table = element("table", {}, titles, element("tbody", {}, ...lines));
+  return element("div", { class: "scroll", tabindex: "0" }, table);
 }

@@ -1,11 +1,17 @@
 import { type Message, unpacked } from "./messages";
 
-type Answer = Record<string, unknown> & { id: number; error?: string };
 export type Heard = (message: Message) => void;
+
+const GONE: Message = { head: { error: "no connection to the server" }, arrays: {} };
 
 interface Waiting {
   resolve: (message: Message) => void;
   heard?: Heard;
+}
+
+/** What is wrong with what was asked, or the first mistake in its scenario; empty if nothing is. */
+export function wrongOf({ problems, error }: Message["head"]): string {
+  return String((problems as { message: string }[] | undefined)?.[0]?.message ?? error ?? "");
 }
 
 /** The server: questions with answers, and what comes in between; it is looked for again when it has gone. */
@@ -34,8 +40,7 @@ export class Connection {
     socket.onclose = () => {
       const open = this.socket === socket;
       this.socket = undefined;
-      for (const waiting of this.waiting.values())
-        waiting.resolve({ head: { id: 0, error: "no connection to the server" }, arrays: {} });
+      for (const waiting of this.waiting.values()) waiting.resolve(GONE);
       this.waiting.clear();
       if (open) this.told(false);
       setTimeout(() => this.connect(), this.delay);
@@ -44,19 +49,17 @@ export class Connection {
   }
 
   private hear(data: string | ArrayBuffer): void {
-    const message = typeof data === "string" ? { head: JSON.parse(data) as Answer, arrays: {} } : unpacked(data);
-    const waiting = this.waiting.get(message.head.id as number);
-    const event = message.head.event;
-    if (event && event !== "ended") waiting?.heard?.(message);
-    else {
-      this.waiting.delete(message.head.id as number);
-      waiting?.resolve(message);
-    }
+    const message: Message = typeof data === "string" ? { head: JSON.parse(data), arrays: {} } : unpacked(data);
+    const { id, event } = message.head as { id: number; event?: string };
+    const waiting = this.waiting.get(id);
+    if (event && event !== "ended") return waiting?.heard?.(message);
+    this.waiting.delete(id);
+    waiting?.resolve(message);
   }
 
   /** Ask something; `heard` takes what comes before the answer. `id`: of a question that is under way already. */
   ask(what: string, given: object = {}, heard?: Heard, id = ++this.number): Promise<Message> {
-    if (!this.socket) return Promise.resolve({ head: { id, error: "no connection to the server" }, arrays: {} });
+    if (!this.socket) return Promise.resolve(GONE);
     return new Promise((resolve) => {
       this.waiting.set(id, { resolve, heard });
       this.socket?.send(JSON.stringify({ id, do: what, ...given }));

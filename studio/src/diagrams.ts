@@ -1,7 +1,7 @@
 import type { Frame, Layout } from "./film";
 import { type Quantity, type Shown, said } from "./picture";
-import type { Pen } from "./symbols";
-import { ticks } from "./units";
+import { dot, label, line, type Pen } from "./symbols";
+import { short, ticks } from "./units";
 
 interface Place {
   left: number;
@@ -19,12 +19,13 @@ interface Values {
 
 /** A quantity along lines, below them: its curve, its largest values so far (dashed), and its extreme value now. */
 export function diagram(
-  { ink, colour }: Pen,
+  pen: Pen,
   place: Place,
   quantity: Quantity,
   shown: Shown,
   { layout, frame, envelope, across }: Values,
 ): void {
+  const { ink, colour } = pen;
   const values = frame[quantity.name];
   if (!values) return;
   const [low, high] = [Math.min(shown.low, 0), Math.max(shown.high, 0)];
@@ -34,12 +35,9 @@ export function diagram(
   ink.lineWidth = 1;
   for (const value of ticks(low, high, 4)) {
     ink.strokeStyle = colour(value === 0 ? "--faint" : "--grid");
-    ink.beginPath();
-    ink.moveTo(place.left, up(value));
-    ink.lineTo(place.right, up(value));
-    ink.stroke();
+    line(ink, [place.left, up(value)], [place.right, up(value)]);
     ink.fillStyle = colour("--faint");
-    ink.fillText(`${+value.toPrecision(6)}`.replace("-", "−"), place.left - 5, up(value) + 4);
+    ink.fillText(short(value), place.left - 5, up(value) + 4);
   }
   ink.textAlign = "left";
   ink.fillStyle = colour("--ink");
@@ -81,18 +79,10 @@ export function diagram(
   if (extreme >= 0) {
     const [x, y] = [across(extreme), up(values[extreme] / shown.size)];
     const text = said(values[extreme] / shown.size, shown);
-    ink.fillStyle = ink.strokeStyle = colour("--ink");
-    ink.beginPath();
-    ink.arc(x, y, 3.5, 0, 2 * Math.PI);
-    ink.fill();
-    ink.lineWidth = 3;
-    ink.strokeStyle = colour("--panel");
-    const at: [number, number] = [
-      Math.min(x + 8, place.right - ink.measureText(text).width - 4),
-      y > place.top + place.height / 2 ? y - 8 : y + 16,
-    ];
-    ink.strokeText(text, ...at);
-    ink.fillText(text, ...at);
+    ink.fillStyle = colour("--ink");
+    dot(ink, [x, y], 3.5);
+    const left = Math.min(x + 8, place.right - ink.measureText(text).width - 4);
+    label(pen, text, [left, y > place.top + place.height / 2 ? y - 8 : y + 16], colour("--ink"));
   }
   ink.restore();
 }

@@ -27,9 +27,10 @@ export function choices(options: Choices): HTMLOptionElement[] {
   });
 }
 
-/** A list of options, with what is done with the one that is chosen and further attributes. */
+/** A list of options, with what is done with the one that is chosen and further attributes, its `value` among them. */
 export function select(label: string, options: Choices, chosen: (value: string) => void, given: Attributes = {}) {
   const made = element("select", { "aria-label": label, ...given }, ...choices(options));
+  made.value = given.value ?? made.value;
   made.onchange = () => chosen(made.value);
   return made;
 }

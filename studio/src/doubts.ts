@@ -7,24 +7,17 @@ export interface Doubt {
   key: string;
 }
 
-/** What doubts lead to. */
-export interface Ways {
-  go: (time: number) => void;
-  open: (key: string) => void;
-}
-
-/** Doubts and notes of a run as a list, with ways to when and where they arise. */
-export function listed(doubts: Doubt[], notes: string[], ways: Ways): HTMLElement[] {
+/** Doubts and notes of a run as a list, with buttons that go to the time and open the key. */
+export function listed(doubts: Doubt[], notes: string[], go: (time: number) => void, open: (key: string) => void) {
   return [
-    ...doubts.map((doubt) => {
-      const made = element("p", { class: "doubt" }, `Not to be trusted: ${doubt.text} `);
-      const { time, key } = doubt;
-      if (time !== null)
+    ...doubts.map(({ text, time, key }) => {
+      const made = element("p", { class: "doubt" }, `Not to be trusted: ${text} `);
+      if (time !== null) made.append(button(`Go to ${time} s`, () => go(time)));
+      if (key)
         made.append(
-          button(`Go to ${time} s`, () => ways.go(time)),
           " ",
+          button(`Show ${key}`, () => open(key)),
         );
-      if (key) made.append(button(`Show ${key}`, () => ways.open(key)));
       return made;
     }),
     ...notes.map((text) => element("p", { class: "hint" }, `Note: ${text}`)),

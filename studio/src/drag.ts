@@ -1,11 +1,11 @@
 import type { ByHand } from "./byhand";
-import { type Connection, Latest } from "./connection";
+import { type Connection, Latest, wrongOf } from "./connection";
 import { button, element, select } from "./dom";
 import { Film, type Frame, type Layout } from "./film";
 import type { Message } from "./messages";
 import { viewOf } from "./player";
 import type { Scene, Stage, View } from "./stage";
-import { written } from "./units";
+import { ends, written } from "./units";
 
 interface Line {
   start: number[];
@@ -67,8 +67,7 @@ function nearest({ position, contact_position }: Frame, { axes, loads }: Layout,
 
 /** All of the lines, and below them what a load needs. */
 function viewOfPose({ frame: { position }, layout: { axes } }: Scene): View {
-  const along = position.filter((_, i) => i % axes.length === 0);
-  const [low, high] = [Math.min(...along), Math.max(...along)];
+  const [low, high] = ends(position.filter((_, i) => i % axes.length === 0));
   const w = high - low;
   const level = Math.max(position[axes.length - 1], position[position.length - 1]);
   return { x: [low - 0.04 * w, high + 0.04 * w], z: [level - 0.24 * w, level + 0.07 * w], force: 1 };
@@ -99,8 +98,9 @@ export class Drag {
       this.load && this.handleAt(event.touches[0], FINGER) && event.preventDefault();
     canvas.addEventListener("touchstart", touched, { passive: false }); // a swipe that starts on a handle does not scroll
     canvas.addEventListener("pointermove", (event) => this.move(event));
-    canvas.addEventListener("pointerup", () => this.up());
-    canvas.addEventListener("pointercancel", () => this.up());
+    canvas.onpointerup = canvas.onpointercancel = () => {
+      this.grabbed = "";
+    };
     const loadPixel = () => stage.pixel(this.loaded);
     Object.assign(globalThis, { ropewalkDelays: this.delays, ropewalkLoad: loadPixel });
   }
@@ -164,10 +164,8 @@ export class Drag {
     const message = await this.server.ask("pose", { pose });
     const { head } = message;
     if (!this.load || this.pose?.load !== pose.load) return;
-    if (head.error || head.problems) {
-      this.told.failed(String(head.error ?? (head.problems as { message: string }[])[0]?.message));
-      return;
-    }
+    const wrong = wrongOf(head);
+    if (wrong) return this.told.failed(wrong);
     const scene = sceneOf(message);
     this.loaded = nearest(scene.frame, scene.layout, pose.load);
     this.view ??= viewOfPose(scene);
@@ -217,26 +215,18 @@ export class Drag {
     this.want({ line: { ...this.pose.line, [end]: old.length === 2 ? [x, z] : [x, old[1], z] } });
   }
 
-  private up(): void {
-    this.grabbed = "";
-  }
-
-  private slider(
-    label: string,
-    unit: string,
-    value: number,
-    low: number,
-    high: number,
-    changed: (value: number) => void,
-  ): HTMLElement {
-    const input = element("input", {
-      type: "range",
-      min: `${low}`,
-      max: `${high}`,
-      step: "any",
-      "aria-label": `${label} (${unit})`,
-    });
+  /** A slider for the weight, the wind or a key of the line. */
+  private slider(label: string, unit: string, value: number, low: number, high: number, key = label): HTMLElement {
+    const about = { min: `${low}`, max: `${high}`, step: "any", "aria-label": `${label} (${unit})` };
+    const input = element("input", { type: "range", ...about });
     input.valueAsNumber = value;
+    const changed = (value: number) => {
+      const line = this.pose?.line;
+      if (key === "weight") this.want({ weight: value });
+      else if (key === "wind")
+        this.want({ wind: value, line: { wind_drag: this.load?.line.wind_drag || WIDTH, ...line } });
+      else this.want({ line: { ...line, [key]: value } });
+    };
     const output = element("output", {}, written(value, unit));
     input.oninput = () => {
       output.value = written(input.valueAsNumber, unit);
@@ -249,11 +239,10 @@ export class Drag {
   private panel(): void {
     const { load, pose } = this;
     if (!load || !pose) return;
-    const contact = select("Contact", [...CONTACTS], (value) => this.want({ contact: value }));
-    contact.value = pose.contact;
+    const contact = select("Contact", [...CONTACTS], (value) => this.want({ contact: value }), { value: pose.contact });
     const names = this.loads.map(({ name }) => name);
-    const which = select("Load", names, (name) => this.take(this.loads.find((one) => one.name === name)));
-    which.value = load.name;
+    const taken = (name: string) => this.take(this.loads.find((one) => one.name === name));
+    const which = select("Load", names, taken, { value: load.name });
     const go = button("Let go", () => this.pose && this.told.released(this.pose), {
       title: "It slides and swings as a mass that weighs as much",
     });
@@ -263,24 +252,19 @@ export class Drag {
     });
     const { line, force } = load;
     const span = Math.hypot(...line.end.map((e, a) => e - line.start[a]));
-    const change = (key: string) => (value: number) => this.want({ line: { ...this.pose?.line, [key]: value } });
     const weight = -force[force.length - 1];
     const tension = line.tension || 1;
     const shortest = Math.min(0.998 * span, line.length ?? span);
     this.place.replaceChildren(
       element("p", { class: "hint" }, "Drag the load or a support in the picture (arrow keys move the load)."),
       element("div", { class: "row" }, which, contact),
-      weight > 0
-        ? this.slider("weight", "N", weight, 0.02 * weight, 3 * weight, (value) => this.want({ weight: value }))
-        : "",
+      weight > 0 ? this.slider("weight", "N", weight, 0.02 * weight, 3 * weight) : "",
       line.length === null
-        ? this.slider("tension", "N", tension, 0.3 * tension, 3 * tension, change("tension"))
-        : this.slider("length", "m", line.length, shortest, Math.max(1.2 * span, line.length), change("length")),
-      this.slider("mass", "kg/m", line.mass, 0.05 * line.mass, 5 * line.mass, change("mass")),
-      this.slider("wind", "m/s", 0, -40, 40, (wind) => {
-        this.want({ wind, line: { wind_drag: line.wind_drag || WIDTH, ...this.pose?.line } });
-      }),
-      this.slider("width in wind", "m", line.wind_drag || WIDTH, 0.001, 0.1, change("wind_drag")),
+        ? this.slider("tension", "N", tension, 0.3 * tension, 3 * tension)
+        : this.slider("length", "m", line.length, shortest, Math.max(1.2 * span, line.length)),
+      this.slider("mass", "kg/m", line.mass, 0.05 * line.mass, 5 * line.mass),
+      this.slider("wind", "m/s", 0, -40, 40),
+      this.slider("width in wind", "m", line.wind_drag || WIDTH, 0.001, 0.1, "wind_drag"),
       element("div", { class: "row" }, go, reset, keep),
     );
   }

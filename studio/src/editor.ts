@@ -25,7 +25,7 @@ export interface Problem {
 /** The scenario as text, with completion from the schema and mistakes at their lines. */
 export class Editor {
   private view: EditorView;
-  private schema?: Schema;
+  schema?: Schema; // for completion
 
   constructor(
     place: HTMLElement,
@@ -50,10 +50,6 @@ export class Editor {
         }),
       ],
     });
-  }
-
-  learn(schema: Schema): void {
-    this.schema = schema;
   }
 
   get text(): string {
@@ -82,9 +78,8 @@ export class Editor {
   }
 
   show(problems: Problem[]): void {
-    const { doc } = this.view.state;
     const found: Diagnostic[] = problems.map((problem) => {
-      const line = doc.line(Math.min(Math.max(problem.line ?? 1, 1), doc.lines));
+      const line = this.line(problem.line ?? 1);
       const indent = line.text.length - line.text.trimStart().length;
       return { from: line.from + indent, to: line.to, severity: "error", message: problem.message };
     });
@@ -92,9 +87,13 @@ export class Editor {
   }
 
   goTo(line: number): void {
-    const at = this.view.state.doc.line(Math.min(Math.max(line, 1), this.view.state.doc.lines));
-    this.view.dispatch({ selection: { anchor: at.from }, scrollIntoView: true });
+    this.view.dispatch({ selection: { anchor: this.line(line).from }, scrollIntoView: true });
     this.view.focus();
+  }
+
+  private line(number: number) {
+    const { doc } = this.view.state;
+    return doc.line(Math.min(Math.max(number, 1), doc.lines));
   }
 
   private complete(context: CompletionContext): CompletionResult | null {

@@ -8,6 +8,7 @@ import {
   type Node,
   type Pair,
   parseDocument,
+  type Scalar,
   visit,
 } from "yaml";
 
@@ -22,6 +23,7 @@ export interface Change {
 }
 
 type Value = Node | null | undefined;
+/** A value, if it is there, and what it is in, from the outside to the inside; `depth`: how much of its path is there. */
 type Found = { value: Value; pair?: Pair; depth: number; parents: Node[] };
 
 /** The text of a scenario with the places of its values; changes of it leave comments and layout as they are. */
@@ -49,33 +51,31 @@ export class Source {
 
   /** What stands there: nothing, one value, a list, a block, or a name for what stands elsewhere (`*name`). */
   kind(path: Path): "nothing" | "scalar" | "list" | "block" | "alias" {
-    const { value, depth } = this.find(path);
-    if (depth < path.length || !value || (isScalar(value) && value.value === null)) return "nothing";
+    const { value } = this.find(path);
+    if (!value || (isScalar(value) && value.value === null)) return "nothing";
     if (isAlias(value)) return "alias";
     return isMap(value) ? "block" : isSeq(value) ? "list" : "scalar";
   }
 
   /** What a block takes over from another one by `<<: *name`; empty where it has or finds none. */
   merged(path: Path, key: string): string {
-    const { value, depth } = this.find([...path, "<<"]);
-    const other = depth > path.length && isAlias(value) ? value.resolve(this.doc) : undefined;
+    const { value } = this.find([...path, "<<"]);
+    const other = isAlias(value) ? value.resolve(this.doc) : undefined;
     const found = isMap(other) ? other.get(key) : undefined;
     return found === undefined ? "" : `${found}`;
   }
 
   /** Keys of a block, or numbers of the entries of a list. */
   keys(path: Path): string[] {
-    const { value, depth } = this.find(path);
-    if (depth < path.length) return [];
+    const { value } = this.find(path);
     return isMap(value) ? value.items.map(keyOf) : isSeq(value) ? value.items.map((_, i) => `${i}`) : [];
   }
 
   /** A value as it is read; lists and blocks as they are written. */
   value(path: Path): string {
-    const { value, depth } = this.find(path);
-    if (depth < path.length || !value) return "";
+    const { value } = this.find(path);
     if (isScalar(value)) return value.value === null ? "" : `${value.source ?? value.value}`;
-    return this.text.slice(...spanOf(value));
+    return value ? this.text.slice(...spanOf(value)) : "";
   }
 
   /** The text with another value; what leads to it is made where it is not there. `raw`: lists and blocks, as written. */
@@ -83,18 +83,14 @@ export class Source {
     const { value: old, pair, depth, parents } = this.find(path);
     const quoted = isScalar(old) && (old.type === "QUOTE_DOUBLE" || old.type === "QUOTE_SINGLE");
     const parent = parents[parents.length - 1];
-    const within = depth < path.length ? old : parent;
-    const style = this.json || (quoted && depth === path.length) ? "quoted" : isFlow(within) ? "flow" : "block";
+    const style = this.json || quoted ? "quoted" : isFlow(parent) ? "flow" : "block";
     const fresh = raw ? this.list(value) : scalar(value, style, words);
     if (depth < path.length) return this.add(path, depth, fresh);
     if (isSeq(old) && !old.flow && raw) {
       const parts = parseDocument(value).contents;
       if (isSeq(parts) && parts.items.length === old.items.length && parts.items.every((part) => isScalar(part))) {
-        let text: Source = this;
-        parts.items.forEach((part, i) => {
-          text = new Source(text.set([...path, `${i}`], String((part as { source?: string }).source ?? "")));
-        });
-        return text.text;
+        const values = parts.items.map((part) => `${(part as Scalar).source}`);
+        return values.reduce<Source>((now, one, i) => new Source(now.set([...path, `${i}`], one)), this).text;
       }
     }
     if (pair && isMap(parent) && (!old || isEmpty(old) || (isCollection(old) && !old.flow))) {
@@ -134,10 +130,10 @@ export class Source {
     let pair: Pair | undefined;
     const parents: Node[] = [];
     for (const [depth, part] of path.entries()) {
+      parents.push(value as Node);
       const inner = isMap(value) ? value.items.find((one) => keyOf(one) === part) : undefined;
       const item = isSeq(value) ? value.items[Number(part)] : undefined;
-      if (!inner && item === undefined) return { value, pair, depth, parents };
-      parents.push(value as Node);
+      if (!inner && item === undefined) return { value: undefined, pair, depth, parents };
       if (inner) pair = inner;
       value = (inner ? inner.value : item) as Value;
     }

@@ -37,17 +37,17 @@ export function joined(path: Path): string {
  * `begun`: joined paths; with an empty last part where a block is to come in place of a value.
  */
 export function fieldsOf(root: Schema, source: Source, begun: ReadonlySet<string>): Field {
-  return field(root, { ...root, description: "" }, source, begun, [], true);
+  return field({ root, source, begun }, { ...root, description: "" }, [], true);
 }
 
-function field(
-  root: Schema,
-  schema: Schema,
-  source: Source,
-  begun: ReadonlySet<string>,
-  path: Path,
-  isRequired: boolean,
-): Field {
+interface From {
+  root: Schema;
+  source: Source;
+  begun: ReadonlySet<string>;
+}
+
+function field(from: From, schema: Schema, path: Path, isRequired: boolean): Field {
+  const { root, source, begun } = from;
   const kind = source.kind(path);
   const options = variants(root, schema);
   const blocks = options.filter((option) => option.properties);
@@ -82,7 +82,7 @@ function field(
   const isLong = found.value.includes("\n");
   if (kind === "alias") return { ...found, shape: "locked" };
   if (blocks.length && (!plain.length || kind === "block" || begun.has(`${key}\n`)))
-    return block(root, blocks, source, begun, { ...found, shape: "block" });
+    return block(from, blocks, { ...found, shape: "block" });
   if (named || open) {
     const inner: Schema = named ? (named.additionalProperties as Schema) : {};
     const names = source.keys(path);
@@ -90,7 +90,7 @@ function field(
       const [name] = other.startsWith(`${key}\n`) ? other.slice(key.length + 1).split("\n") : "";
       if (name && !names.includes(name)) names.push(name);
     }
-    const fields = names.map((name) => field(root, inner, source, begun, [...path, name], false));
+    const fields = names.map((name) => field(from, inner, [...path, name], false));
     return { ...found, shape: "names", fields };
   }
   const size = source.keys(path).length || numbers?.minItems || 0;
@@ -112,36 +112,34 @@ function field(
   return { ...found, shape: words.length && !simple.length && !numbers ? "choice" : "text" };
 }
 
-function block(root: Schema, blocks: Schema[], source: Source, begun: ReadonlySet<string>, found: Field): Field {
+function block(from: From, blocks: Schema[], found: Field): Field {
+  const { source, begun } = from;
   const { path } = found;
   const kindOf = (one: Schema) => one.properties?.kind?.const ?? "";
   const kinds = blocks.length > 1 ? blocks.map(kindOf) : [];
   const usual = blocks.find((one) => !one.required?.includes("kind"));
-  const kind = kinds.length
-    ? source.value([...path, "kind"]) || source.merged(path, "kind") || (usual ? kindOf(usual) : "")
-    : "";
-  const own = blocks.length === 1 ? blocks[0] : blocks.find((one) => kindOf(one) === kind);
+  const written = source.value([...path, "kind"]) || source.merged(path, "kind");
+  const kind = kinds.length ? written || (usual ? kindOf(usual) : "") : "";
+  const own = kinds.length ? blocks.find((one) => kindOf(one) === kind) : blocks[0];
   const fields: Field[] = [];
   const more: Field["more"] = [];
   const known = own?.properties ?? {};
-  const written = source.keys(path);
-  const takesOver = written.includes("<<");
+  const keys = source.keys(path);
+  const takesOver = keys.includes("<<");
   for (const [name, schema] of Object.entries(known)) {
     if (schema.const !== undefined && (kinds.length || source.kind([...path, name]) === "nothing")) continue;
     const key = joined([...path, name]);
     const isRequired = !takesOver && (own?.required?.includes(name) ?? false);
     const isBegun = begun.has(key) || [...begun].some((other) => other.startsWith(`${key}\n`));
     if (source.kind([...path, name]) !== "nothing" || isRequired || isBegun)
-      fields.push(field(root, schema, source, begun, [...path, name], isRequired));
+      fields.push(field(from, schema, [...path, name], isRequired));
     else more.push({ name, about: schema.description ?? "" });
   }
-  for (const name of written)
+  for (const name of keys)
     if (!(name in known) && !(name === "kind" && kinds.length)) {
       const about = name === "<<" ? "All that another block has." : own ? "There is no such key here." : "";
-      fields.push({
-        ...field(root, { description: about }, source, begun, [...path, name], false),
-        shape: name === "<<" ? "locked" : "raw",
-      });
+      const shape = name === "<<" ? "locked" : "raw";
+      fields.push({ ...field(from, { description: about }, [...path, name], false), shape });
     }
   const keysOf = Object.fromEntries(blocks.map((one) => [kindOf(one), Object.keys(one.properties ?? {})]));
   return { ...found, kinds, kind, keysOf, fields, more };

@@ -1,5 +1,6 @@
 import type { Message } from "./messages";
 import type { Picture, State } from "./picture";
+import { ends } from "./units";
 
 export interface Layout {
   axes: string[];
@@ -8,7 +9,6 @@ export interface Layout {
   links: [string, number, number][];
   loads: string[];
   supports: string[];
-  bodies: string[];
   cells: [number, number, number][];
 }
 
@@ -42,7 +42,7 @@ export class Film {
   private tracks = new Map<string, Track>();
   private known = new Map<string, number[]>(); // what has been found out of the frames that were there
   private envelopes = new Map<string, { low: Float32Array; high: Float32Array; seen: number }>();
-  private changed = 0;
+  version = 0; // grows with the frames
 
   constructor({ head, arrays }: Message) {
     this.layout = head.layout as Layout;
@@ -67,7 +67,7 @@ export class Film {
       this.tracks.set(name, track);
     }
     this.count += many;
-    this.changed++;
+    this.version++;
   }
 
   /** Take what is known when the run has ended. */
@@ -75,10 +75,6 @@ export class Film {
     this.title = String(title);
     this.numbers = (numbers as Film["numbers"]) ?? {};
     this.curves = (curves as Curves) ?? this.curves;
-  }
-
-  get version(): number {
-    return this.changed;
   }
 
   frame(i: number): Frame {
@@ -138,28 +134,23 @@ export class Film {
   /** The largest size of the numbers of an array over all frames. */
   most(name: string): number {
     const { low, high } = this.envelope(name);
-    let most = 0;
-    low.forEach((value, i) => {
-      if (high[i] >= value) most = Math.max(most, Math.abs(value), Math.abs(high[i]));
-    });
-    return most;
+    return Math.max(0, -ends(low)[0], ends(high)[1]);
   }
 
   /** The smallest and the largest coordinate along an axis of what is drawn, displacements being so much larger. */
   box(axis: number, factor: number): [number, number] {
     const axes = this.layout.axes.length;
-    let [least, most] = [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY];
+    const places: number[] = [];
     const names = factor === 1 ? ["position", "contact_position", "body_position"] : ["position"];
     for (const name of names) {
       const { low, high } = this.envelope(name);
       for (let i = axis; i < low.length; i += axes) {
         if (!(high[i] >= low[i])) continue;
         const at = name === "position" ? this.reference[i] : low[i];
-        least = Math.min(least, at + factor * (low[i] - at), at);
-        most = Math.max(most, at + factor * (high[i] - at), at);
+        places.push(at, at + factor * (low[i] - at), at + factor * (high[i] - at));
       }
     }
-    return least <= most ? [least, most] : [0, 1];
+    return places.length ? ends(places) : [0, 1];
   }
 }
 

@@ -1,4 +1,5 @@
 import { button, choices, element, select } from "./dom";
+import type { Editor } from "./editor";
 import { Source } from "./edits";
 import { type Field, fieldsOf, joined } from "./fields";
 import type { Schema } from "./schema";
@@ -14,14 +15,7 @@ interface Row {
   element: HTMLElement;
   remarks: HTMLElement;
   field: Field;
-  update: (field: Field) => void;
-}
-
-/** What a form does to the text. */
-export interface Actions {
-  change: (text: string) => void;
-  undo: () => void;
-  redo: () => void;
+  update?: (field: Field) => void;
 }
 
 let count = 0; // of rows made, for names that labels refer to
@@ -32,6 +26,7 @@ export class Form {
   private source = new Source("");
   private begun = new Set<string>();
   private rows = new Map<string, Row>();
+  private before = new Map<string, Row>(); // rows of the text that was shown before
   private remarks: Remark[] = [];
   private wrong = element("p", { class: "error", role: "alert", hidden: "" });
   private fields = element("fieldset", { class: "form" });
@@ -39,10 +34,10 @@ export class Form {
 
   constructor(
     place: HTMLElement,
-    private act: Actions,
+    private editor: Editor,
   ) {
-    const undo = button("Undo", act.undo, { title: "Undo (Ctrl+Z), also what was typed in the text" });
-    const redo = button("Redo", act.redo, { title: "Redo (Ctrl+Y)" });
+    const undo = button("Undo", () => editor.undo(), { title: "Undo (Ctrl+Z), also what was typed in the text" });
+    const redo = button("Redo", () => editor.redo(), { title: "Redo (Ctrl+Y)" });
     place.append(element("div", { class: "row" }, undo, redo), this.wrong, this.names, this.fields);
     place.addEventListener("keydown", (event) => this.pressed(event));
   }
@@ -63,18 +58,15 @@ export class Form {
     for (const key of this.begun) if (this.isWritten(key)) this.begun.delete(key);
     const lines = ["lines", "overhead_lines", "nets"].flatMap((key) => this.source.keys([key]));
     this.names.replaceChildren(...choices(lines));
-    const root = fieldsOf(this.schema, this.source, this.begun);
-    const used = new Set<string>();
-    settle(this.fields, [...root.fields.map((one) => this.row(one, used)), this.adder(root, used)]);
-    for (const key of this.rows.keys()) if (!used.has(key)) this.rows.delete(key);
+    [this.before, this.rows] = [this.rows, new Map()];
+    this.fill(this.fields, fieldsOf(this.schema, this.source, this.begun));
     this.tell(this.remarks);
   }
 
   /** Mistakes and doubts at their fields. */
   tell(remarks: Remark[]): void {
     this.remarks = remarks;
-    const rows = [...this.rows.values()].filter((row) => row.field.path.length);
-    for (const row of rows) {
+    for (const row of this.rows.values()) {
       row.remarks.replaceChildren();
       for (const input of inputsOf(row)) input.removeAttribute("aria-invalid");
     }
@@ -92,8 +84,7 @@ export class Form {
 
   /** The innermost row that shows a key, or what it is in. */
   private rowOf(key: string): Row | undefined {
-    const rows = [...this.rows.values()].filter(({ field }) => field.path.length);
-    const within = rows.filter(({ field }) => `${key}.`.startsWith(`${field.path.join(".")}.`));
+    const within = [...this.rows.values()].filter(({ field }) => `${key}.`.startsWith(`${field.path.join(".")}.`));
     return within.sort((a, b) => b.field.path.length - a.field.path.length)[0];
   }
 
@@ -105,12 +96,7 @@ export class Form {
   /** Go to the field of a key, which is begun where it is not written; or to what it would be in. */
   goTo(key: string): void {
     const path = key.split(".");
-    this.begun.add(joined(path));
-    this.show(this.source.text);
-    const row = this.rowOf(key);
-    if (joined(row?.field.path ?? []) !== joined(path)) this.begun.delete(joined(path));
-    this.unfold(row?.element ?? null);
-    row?.element.querySelector<HTMLElement>("input, select, summary")?.focus();
+    if (joined(this.begin(path)?.field.path ?? []) !== joined(path)) this.begun.delete(joined(path));
   }
 
   private isWritten(key: string): boolean {
@@ -125,18 +111,21 @@ export class Form {
       const text = make();
       const { wrong } = new Source(text);
       if (wrong) throw new Error(wrong);
-      this.act.change(text);
+      this.editor.change(text);
     } catch (error) {
       this.wrong.hidden = false;
       this.wrong.textContent = `This cannot be: ${(error as Error).message}.`;
     }
   }
 
-  private begin(path: readonly string[], goTo = path): void {
+  /** Begin a key, and go to its field or to what it would be in. */
+  private begin(path: readonly string[]): Row | undefined {
     this.begun.add(joined(path));
     this.show(this.source.text);
-    const row = [...this.rows.values()].find(({ field }) => joined(field.path) === joined(goTo));
+    const row = this.rowOf(path.filter(Boolean).join("."));
+    this.unfold(row?.element ?? null);
     row?.element.querySelector<HTMLElement>("input, select")?.focus();
+    return row;
   }
 
   private remove(field: Field): void {
@@ -145,21 +134,23 @@ export class Form {
     else this.show(this.source.text);
   }
 
-  private row(field: Field, used: Set<string>): HTMLElement {
+  /** Rows of the fields of a block, and of what may be added; those that stay are not made anew. */
+  private fill(inside: HTMLElement, field: Field): void {
+    const key = [joined(field.path), field.shape, "add", ...field.more.map(({ name }) => name)].join("|");
+    const adder = this.before.get(key) ?? { element: this.adder(field), remarks: element("div"), field };
+    settle(inside, [...field.fields.map((one) => this.row(one)), adder.element]);
+    this.rows.set(key, adder);
+  }
+
+  private row(field: Field): HTMLElement {
     const { path, shape, kinds, words, components, isRequired, canBeBlock } = field;
     const key = [joined(path), shape, kinds, words, components.length, isRequired, canBeBlock].join("|");
-    used.add(key);
-    let row = this.rows.get(key);
-    if (!row) {
-      row = shape === "block" || shape === "names" ? this.section(field) : this.line(field);
-      this.rows.set(key, row);
-    }
+    const isBlock = shape === "block" || shape === "names";
+    const row = this.before.get(key) ?? (isBlock ? this.section(field) : this.line(field));
+    this.rows.set(key, row);
     row.field = field;
-    row.update(field);
-    if (shape === "block" || shape === "names") {
-      const inside = row.element.querySelector<HTMLElement>(":scope > .inside");
-      if (inside) settle(inside, [...field.fields.map((one) => this.row(one, used)), this.adder(field, used)]);
-    }
+    row.update?.(field);
+    if (isBlock) this.fill(row.element.lastElementChild as HTMLElement, field);
     return row.element;
   }
 
@@ -172,16 +163,9 @@ export class Form {
     const remarks = element("div", { class: "remarks", role: "status" });
     const about = element("p", { class: "help" }, field.about);
     const open = field.path.length < 4 || !field.isThere ? { open: "" } : {};
-    const made = element(
-      "details",
-      { class: "block", ...open },
-      element("summary", { title: field.about }, title, told),
-      tools,
-      remarks,
-      about,
-      inside,
-    );
-    const row: Row = { element: made, remarks, field, update: () => {} };
+    const summary = element("summary", { title: field.about }, title, told);
+    const made = element("details", { class: "block", ...open }, summary, tools, remarks, about, inside);
+    const row: Row = { element: made, remarks, field };
     let kind: HTMLSelectElement | undefined;
     if (field.kinds.length) {
       const choose = (value: string) => this.change(() => this.withKind(row.field, value));
@@ -189,9 +173,7 @@ export class Form {
       tools.append(kind);
     }
     if (field.canBeBlock) tools.append(this.button("One value", `${field.name} as one value`, () => this.single(row)));
-    if (isName(field)) {
-      tools.append(this.button("Rename", `Rename ${field.name}`, () => this.renamed(row.field)));
-    }
+    if (isName(field)) tools.append(this.button("Rename", `Rename ${field.name}`, () => this.renamed(row.field)));
     const remove = this.button("Remove", `Remove ${field.path.join(" ")}`, () => this.remove(row.field));
     if (!field.isRequired) tools.append(remove);
     row.update = (now) => {
@@ -205,16 +187,13 @@ export class Form {
   /** One value. */
   private line(field: Field): Row {
     const id = `form-${++count}`;
-    const label = element(
-      "label",
-      { for: id, title: field.about, class: field.isRequired ? "required" : "" },
-      field.name,
-    );
+    const named = { for: id, title: field.about, class: field.isRequired ? "required" : "" };
+    const label = element("label", named, field.name);
     const help = element("p", { class: "help", id: `${id}-help` }, helpOf(field));
     const remarks = element("div", { class: "remarks", role: "status", id: `${id}-remarks` });
     const about = { "aria-describedby": `${id}-help ${id}-remarks` };
     const required = field.isRequired ? { "aria-required": "true" } : {};
-    const row: Row = { element: label, remarks, field, update: () => {} };
+    const row: Row = { element: label, remarks, field };
     const inputs: (HTMLInputElement | HTMLSelectElement)[] = [];
     const places = field.shape === "vector" ? field.places : [""];
     places.forEach((place, i) => {
@@ -235,7 +214,8 @@ export class Form {
       box.append(element("datalist", { id: `${id}-words` }, ...choices(field.words)));
     if (field.unit)
       box.append(element("span", { class: "unit", title: "SI unit; write any other, as 5 km/h" }, field.unit));
-    if (field.canBeBlock) box.append(this.button("Table", `${field.name} as a table`, () => this.table(row.field)));
+    const table = () => this.begin([...row.field.path, ""]);
+    if (field.canBeBlock) box.append(this.button("Table", `${field.name} as a table`, table));
     if (!field.isRequired) {
       const drop = this.button("×", `Remove ${field.name}`, () => this.remove(row.field));
       drop.classList.add("drop");
@@ -282,10 +262,6 @@ export class Form {
     return text;
   }
 
-  private table(field: Field): void {
-    this.begin([...field.path, ""], field.path);
-  }
-
   private single(row: Row): void {
     const { path, isThere } = row.field;
     this.begun.delete(joined([...path, ""]));
@@ -299,54 +275,29 @@ export class Form {
     if (name && name !== field.name) this.change(() => this.source.rename(field.path, name));
   }
 
-  /** What a block may have besides, or a name that is to come. */
-  private adder(field: Field, used: Set<string>): HTMLElement {
-    const key = `${joined(field.path)}|add`;
-    used.add(key);
-    let row = this.rows.get(key);
-    if (!row) {
-      row = field.shape === "names" ? this.namer(field) : this.chooser(field);
-      this.rows.set(key, row);
-    }
-    row.field = { ...field, path: [] };
-    row.update(field);
-    return row.element;
-  }
-
-  private namer(field: Field): Row {
-    const { path } = field;
-    const input = element("input", {
-      type: "text",
-      "aria-label": `Name of another one of ${field.name}`,
-      placeholder: "name",
-    });
-    const add = () => {
-      const name = input.value.trim();
-      if (!name || this.source.keys(path).includes(name)) return input.focus();
-      input.value = "";
-      this.begin([...path, name]);
-    };
-    input.onkeydown = (event) => {
-      if (event.key === "Enter") add();
-    };
-    const made = element("div", { class: "row add" }, input, this.button("Add", `Add to ${field.name}`, add));
-    return { element: made, remarks: made, field, update: () => {} };
-  }
-
-  private chooser(field: Field): Row {
-    const { path } = field;
+  /** A name that is to come, or what a block may have besides. */
+  private adder(field: Field): HTMLElement {
+    const { path, more } = field;
     const where = field.name || "the scenario";
-    const keys = select(`Add a key to ${where}`, [], (name) => {
-      keys.value = "";
-      if (name) this.begin([...path, name]);
-    });
-    const made = element("div", { class: "row add" }, keys);
-    const update = ({ more }: Field) => {
-      made.hidden = !more.length;
-      const told = more.map(({ name, about }) => element("option", { value: name, title: about }, name));
-      keys.replaceChildren(element("option", { value: "" }, `Add to ${where}…`), ...told);
-    };
-    return { element: made, remarks: made, field, update };
+    if (field.shape === "names") {
+      const about = { type: "text", "aria-label": `Name of another one of ${where}`, placeholder: "name" };
+      const input = element("input", about);
+      const add = () => {
+        const name = input.value.trim();
+        if (!name || this.source.keys(path).includes(name)) return input.focus();
+        input.value = "";
+        this.begin([...path, name]);
+      };
+      input.onkeydown = ({ key }) => key === "Enter" && add();
+      return element("div", { class: "row add" }, input, this.button("Add", `Add to ${where}`, add));
+    }
+    const keys = select(
+      `Add a key to ${where}`,
+      [["", `Add to ${where}…`]],
+      (name) => name && this.begin([...path, name]),
+    );
+    keys.append(...more.map(({ name, about }) => element("option", { value: name, title: about }, name)));
+    return element("div", { class: "row add", ...(more.length ? {} : { hidden: "" }) }, keys);
   }
 
   private button(text: string, label: string, act: () => void): HTMLButtonElement {
@@ -358,8 +309,8 @@ export class Form {
     const { target } = event;
     if (target instanceof HTMLInputElement && target.value !== (target.dataset.value ?? "")) return; // its own undo
     event.preventDefault();
-    if (event.key === "z") this.act.undo();
-    else this.act.redo();
+    if (event.key === "z") this.editor.undo();
+    else this.editor.redo();
   }
 }
 
@@ -384,12 +335,7 @@ function inputsOf(row: Row): NodeListOf<HTMLElement> {
 
 /** Children in this order; those that stay are not touched, so that they keep the focus. */
 function settle(parent: HTMLElement, wanted: HTMLElement[]): void {
-  let at = parent.firstElementChild;
-  const kept = new Set<Element>(wanted);
-  for (const one of [...parent.children]) if (!kept.has(one)) one.remove();
-  at = parent.firstElementChild;
-  for (const one of wanted) {
-    if (one === at) at = at.nextElementSibling;
-    else parent.insertBefore(one, at);
-  }
+  for (const one of [...parent.children]) if (!wanted.includes(one as HTMLElement)) one.remove();
+  for (const [i, one] of wanted.entries())
+    if (one !== parent.children[i]) parent.insertBefore(one, parent.children[i] ?? null);
 }

@@ -1,7 +1,7 @@
 import { type ByHand, intoText, saidByHand } from "./byhand";
 import type { Sweep } from "./cases";
 import { besides, type Models, models } from "./compare";
-import { Connection, type Heard } from "./connection";
+import { Connection, type Heard, wrongOf } from "./connection";
 import { button, choices, coloursOf, element, folded } from "./dom";
 import { type Doubt, listed } from "./doubts";
 import { Drag } from "./drag";
@@ -17,12 +17,6 @@ import { SweepTab } from "./sweep";
 import { tabbed } from "./tabs";
 import "./style.css";
 
-interface Template {
-  name: string;
-  title: string;
-  text: string;
-}
-
 // -- What is on the page ----------------------------------------------------------------------------------------
 
 const status = element("span", { class: "status", role: "status" }, "connecting");
@@ -36,11 +30,8 @@ const stop = button("Stop", undefined, { disabled: "" });
 const drag = button("Drag the load", undefined, { title: "Drag the load; the rope answers" });
 const keep = button("Keep beside", undefined, { title: "Draw this run faintly under the next one" });
 const theme = button("◐", undefined, { class: "icon", "aria-label": "Light or dark", title: "Light or dark" });
-const large = button("A", undefined, {
-  class: "icon",
-  "aria-label": "Large type",
-  title: "Large type, for projectors",
-});
+const largely = { class: "icon", "aria-label": "Large type", title: "Large type, for projectors" };
+const large = button("A", undefined, largely);
 const player = new Player("The structure; arrow keys move the load or step through time");
 const { stage, canvas, plotted, numbers } = player;
 const said = element("div");
@@ -54,21 +45,18 @@ const written = element("div", { class: "editor" });
 const problems = element("ul", { class: "problems", "aria-label": "Mistakes", "aria-live": "polite" });
 const values = element("div", { class: "values" });
 const lessons = element("div");
-const filled = element("div");
-const swept = element("div");
 const computeSweep = button("Compute the sweep", () => sweepCases());
 
 const tabs = {
   values: element("div", { class: "tab" }, values),
-  form: element("div", { class: "tab", hidden: "" }, filled),
-  text: element("div", { class: "tab text", hidden: "" }, written, problems),
-  result: element("div", { class: "tab", hidden: "" }, said, exports, summary, compareModels, compared),
-  sweep: element("div", { class: "tab", hidden: "" }, swept),
-  lesson: element("div", { class: "tab", hidden: "" }, lessons),
+  form: element("div", { class: "tab" }),
+  text: element("div", { class: "tab text" }, written, problems),
+  result: element("div", { class: "tab" }, said, exports, summary, compareModels, compared),
+  sweep: element("div", { class: "tab" }),
+  lesson: element("div", { class: "tab" }, lessons),
 };
 const measured = element("div", {}, element("h2", {}, "Numbers"), numbers); // in the tab that is shown: of a lesson, too
-const names = { values: "Values", form: "Form", text: "Text", result: "Result", sweep: "Sweep", lesson: "Lesson" };
-const { bar, show } = tabbed(tabs, names, (key) => {
+const { bar, show } = tabbed(tabs, (key) => {
   if (key === "values" || key === "lesson") tabs[key].append(measured);
   if (key === "form") form.show(editor.text);
 });
@@ -96,14 +84,13 @@ show("values");
 
 let file = { name: "", stamp: "" };
 let clean = ""; // the text as it is in the file
-let film: Film | undefined;
 let beside: Film | undefined;
 let running: Promise<unknown> | undefined; // what is computed
 let isKept = false; // whether it writes a result
 let turn = 0; // number of what is shown: answers to what was shown before are dropped
 let shown = ""; // result that was opened
 let checking = 0;
-let templates: Template[] = [];
+let templates: Record<"name" | "title" | "text", string>[] = [];
 let mistakes: Problem[] = [];
 let doubtful: Doubt[] = [];
 let toldOf = ""; // the doubts and notes that are shown
@@ -119,11 +106,7 @@ const editor = new Editor(written, () => {
   clearTimeout(checking);
   checking = setTimeout(() => check(true), 300);
 });
-const form = new Form(filled, {
-  change: (text) => editor.change(text),
-  undo: () => editor.undo(),
-  redo: () => editor.redo(),
-});
+const form = new Form(tabs.form, editor);
 const dragging = new Drag(server, stage, canvas, values, {
   shown: (scene, load) => {
     if (!running) under("");
@@ -136,16 +119,16 @@ const dragging = new Drag(server, stage, canvas, values, {
   taken: takeOver,
   released: (pose) => compute("release", { pose }),
 });
-const sweeps = new SweepTab(swept, server, computeSweep, {
+const sweeps = new SweepTab(tabs.sweep, server, computeSweep, {
   tell,
   see: (text) => compute("run", { text, name: "case.yaml", unkept: true }),
   open: (text) => {
-    if (editor.text !== clean && !confirm("The text has changes that are not saved. Open another one?")) return;
+    if (!mayLeave()) return;
     begun("", "", text);
     show("text");
   },
 });
-const lesson = new Lesson(lessons, async (step) => begin(step));
+const lesson = new Lesson(lessons, begin);
 
 function tell(text: string, bad = false): void {
   status.textContent = text;
@@ -176,14 +159,10 @@ function mark(): void {
 function anew(hasPicture = false, step?: Step): number {
   dragging.leave();
   doubts({});
-  exports.replaceChildren();
-  summary.replaceChildren();
+  for (const part of [exports, summary, compared, numbers]) part.replaceChildren();
   shown = "";
-  compared.replaceChildren();
-  numbers.replaceChildren();
   player.leave();
   player.bar.hidden = true;
-  film = undefined;
   if (!hasPicture) stage.show(undefined);
   lesson.show(step);
   mark();
@@ -208,11 +187,11 @@ async function greet(): Promise<void> {
   const { head } = await server.ask("hello", { page: sessionStorage.getItem("page") ?? "" });
   if (head.error) return tell(String(head.error), true);
   sessionStorage.setItem("page", String(head.page));
-  templates = head.templates as Template[];
+  templates = head.templates as typeof templates;
   list(head);
   lesson.learn(head.lesson as Step[]);
   server.ask("schema").then((message) => {
-    editor.learn(message.head.schema as Schema);
+    editor.schema = message.head.schema as Schema;
     form.learn(message.head.schema as Schema);
   });
   if (head.under_way) return resume(head.under_way as Record<string, string>);
@@ -239,7 +218,7 @@ async function resume({ id, do: what, text = "", name = "", unkept }: Record<str
   }
   if (what === "sweep") sweepCases(Number(id));
   else if (what === "models") simplerModels(Number(id));
-  else compute("resume", { unkept: unkept || what === "release" }, { id: Number(id) });
+  else compute("resume", { unkept: unkept || what === "release" }, Number(id));
 }
 
 function list(head: Record<string, unknown>): void {
@@ -264,8 +243,7 @@ async function chosen(): Promise<void> {
   const [kind, name] = [open.value.slice(0, open.value.indexOf(":")), open.value.slice(open.value.indexOf(":") + 1)];
   open.value = "";
   if (kind === "result") return result(name);
-  if (!(await halted())) return;
-  if (editor.text !== clean && !confirm("The text has changes that are not saved. Open another one?")) return;
+  if (!(await halted()) || !mayLeave()) return;
   if (kind === "file") await read(name);
   if (kind === "template") begun("", "", templates.find((t) => t.name === name)?.text ?? "");
 }
@@ -276,12 +254,21 @@ async function read(name: string): Promise<void> {
   begun(name, String(head.stamp), String(head.text));
 }
 
-function begun(name: string, stamp: string, text: string): void {
+/** Whether the text may be replaced by another one. */
+function mayLeave(): boolean {
+  return editor.text === clean || confirm("The text has changes that are not saved. Open another one?");
+}
+
+function put(name: string, stamp: string, text: string): void {
   file = { name, stamp };
   clean = text;
   editor.text = text;
   beside = undefined;
   if (!tabs.form.hidden) form.show(text);
+}
+
+function begun(name: string, stamp: string, text: string): void {
+  put(name, stamp, text);
   check();
   prepare();
 }
@@ -294,8 +281,17 @@ async function write(name: string, stamp: string): Promise<void> {
   clean = text;
   mark();
   tell(`${name} saved`);
-  list((await server.ask("files")).head);
+  refresh();
 }
+
+/** List the files of the folder anew. */
+async function refresh(): Promise<void> {
+  const { head } = await server.ask("files");
+  if (!head.error) list(head);
+}
+
+/** What is computed: the text, and the name of its file. */
+const given = () => ({ text: editor.text, name: file.name || "scenario.yaml" });
 
 saveAs.onclick = () => {
   const name = prompt("Name of the file, in the folder of the studio", file.name || "scenario.yaml");
@@ -305,7 +301,7 @@ saveAs.onclick = () => {
 // -- Text -------------------------------------------------------------------------------------------------------
 
 async function check(prepares = false): Promise<boolean> {
-  const { head } = await server.ask("check", { text: editor.text, name: file.name || "scenario.yaml" });
+  const { head } = await server.ask("check", given());
   const found = (head.problems as Problem[]) ?? [{ line: 1, key: "", message: String(head.error) }];
   editor.show(found);
   mistakes = found;
@@ -321,7 +317,7 @@ async function check(prepares = false): Promise<boolean> {
         )
       : [element("li", { class: "fine" }, "No mistakes.")]),
   );
-  if (prepares && !found.length && !running && !player.isActive) prepare();
+  if (prepares && !found.length && !running && !player.film) prepare();
   return !found.length;
 }
 
@@ -331,7 +327,7 @@ async function prepare(): Promise<void> {
   if (!(await halted())) return;
   const mine = anew();
   under("setting up");
-  const message = await server.ask("prepare", { text: editor.text, name: file.name || "scenario.yaml" });
+  const message = await server.ask("prepare", given());
   const { head } = message;
   if (mine !== turn) return;
   under("");
@@ -351,7 +347,7 @@ run.onclick = async () => {
   const said = hand ? saidByHand(hand) : [];
   const asked = `Changed by hand, and not in the text: ${said.join("; ")}.\n\nOK: write it into the text and run that. Cancel: run the text as it is.`;
   if (hand && said.length && confirm(asked) && !takeOver(hand)) return;
-  compute("run", { text: editor.text, name: file.name || "scenario.yaml" });
+  compute("run", given());
 };
 stop.onclick = () => {
   stop.disabled = true;
@@ -359,7 +355,7 @@ stop.onclick = () => {
   server.tell("stop");
 };
 keep.onclick = () => {
-  beside = film;
+  beside = player.film;
   tell(beside ? "kept; the next run is drawn over it" : "there is no run yet");
 };
 
@@ -376,42 +372,38 @@ async function computed(what: string, given: object, heard: Heard, id?: number):
   const asked = server.ask(id ? "resume" : what, given, told, id);
   running = asked;
   isKept = what !== "release" && !("unkept" in given && given.unkept);
-  const buttons = [run, computeSweep, compareModels];
   function told(message: Message): void {
     if (message.head.event !== "stopped") return heard(message);
-    under("stopped; completing the result");
-    for (const button of buttons) button.disabled = false;
+    busy(false, "stopped; completing the result");
   }
-  stop.disabled = false;
-  for (const button of buttons) button.disabled = true;
-  under("setting up");
+  busy(true, "setting up");
   const { head } = await asked;
   running = undefined;
-  stop.disabled = true;
-  for (const button of buttons) button.disabled = false;
-  under("");
+  busy(false, "");
   return head;
 }
 
-/** Run something and show it; false if something else is shown by the time that it has ended. */
-async function compute(
-  what: string,
-  given: Record<string, unknown>,
-  { other = beside, step, id }: { other?: Film | null; step?: Step; id?: number } = {},
-): Promise<boolean> {
-  if (!(await halted())) return false;
-  const mine = anew(!given.unkept, step);
+function busy(isBusy: boolean, text: string): void {
+  stop.disabled = !isBusy;
+  for (const button of [run, computeSweep, compareModels]) button.disabled = isBusy;
+  under(text);
+}
+
+/** Run something, and show it unless something else is shown by then. */
+async function compute(what: string, given: Record<string, unknown>, id?: number): Promise<void> {
+  if (!(await halted())) return;
+  const mine = anew(!given.unkept);
   tell("");
   player.isOver = false;
-  const head = await computed(what, given, (message) => heard(message, mine, other ?? undefined), id);
+  const other = beside;
+  const head = await computed(what, given, (message) => heard(message, mine, other), id);
   player.isOver = true;
-  server.ask("files").then(({ head }) => head.error || list(head));
-  if (mine !== turn) return false;
+  refresh();
+  if (mine !== turn) return;
   if (head.replaces && confirm(`${head.replaces} holds no result of this scenario. Replace it?`))
-    return compute(what, { ...given, overwrite: true }, { other, step });
+    return compute(what, { ...given, overwrite: true });
   if (head.replaces) tell(`${head.replaces} was not replaced`, true);
   else ended(head);
-  return true;
 }
 
 function heard(message: Message, mine: number, other?: Film): void {
@@ -419,10 +411,10 @@ function heard(message: Message, mine: number, other?: Film): void {
   const { head } = message;
   if (head.event === "state") under(String(head.state));
   else if (head.event === "layout") {
-    film = new Film(message);
     player.bar.hidden = false;
-    player.load(film, other);
-  } else if (film) {
+    player.load(new Film(message), other);
+  } else if (player.film) {
+    const { film } = player;
     film.add(message);
     player.more();
     const told = head.run as { warnings: string[]; doubts: Doubt[] } | undefined;
@@ -443,7 +435,7 @@ function doubts(told: { warnings?: string[]; doubts?: Doubt[] }): void {
     show("form");
     form.goTo(key);
   };
-  said.replaceChildren(...listed(doubtful, told.warnings ?? [], { go: (time) => player.stop(time), open }));
+  said.replaceChildren(...listed(doubtful, told.warnings ?? [], (time) => player.stop(time), open));
 }
 
 /** What the form tells at its fields: mistakes, and doubts about the run that is shown. */
@@ -464,25 +456,32 @@ function ended(head: Record<string, unknown>): void {
   doubts(head as { warnings: string[]; doubts: Doubt[] });
   if (head.advice) said.prepend(element("p", { class: "hint" }, String(head.advice)));
   summary.replaceChildren(...folded(String(head.summary)));
+  const { film, beside: other } = player;
   if (film) {
     film.complete(head);
     player.redraw();
-    const other = player.other;
     if (other) compared.replaceChildren(besides(film.numbers, other.numbers, film.title, other.title));
   }
   if (!head.file) return;
   exports.append(...links(String(head.file), OF_RUNS, tell));
 }
 
-async function result(name: string): Promise<void> {
-  if (!(await halted())) return;
-  const mine = anew();
+/** Show what is computed already; returns how it ended, or nothing if something else is shown by then. */
+async function stored(what: "result" | "lesson", name: string, step?: Step) {
+  const mine = anew(false, step);
   player.isOver = false; // a film plays until its last frame has come
   under("opening");
-  const { head } = await server.ask("result", { name }, (message) => heard(message, mine, beside));
-  player.isOver = true;
+  const { head } = await server.ask(what, { name }, (message) => heard(message, mine, beside));
   if (mine !== turn) return;
+  player.isOver = true;
   under("");
+  return head;
+}
+
+async function result(name: string): Promise<void> {
+  if (!(await halted())) return;
+  const head = await stored("result", name);
+  if (!head) return;
   shown = name;
   mark();
   if (head.sweep) return sweepFound(head);
@@ -502,11 +501,10 @@ async function extra(what: string, told: (head: Record<string, unknown>) => stri
   await opening;
   if (!(await halted())) return;
   const mine = turn;
-  const given = { text: editor.text, name: file.name || "scenario.yaml" };
-  const head = await computed(what, given, (message) => stop.disabled || under(told(message.head)), id);
+  const head = await computed(what, given(), (message) => stop.disabled || under(told(message.head)), id);
   if (mine !== turn) return;
-  const wrong = (head.problems as Problem[] | undefined)?.[0]?.message ?? head.error;
-  if (wrong) return void tell(String(wrong), true);
+  const wrong = wrongOf(head);
+  if (wrong) return void tell(wrong, true);
   return head;
 }
 
@@ -520,24 +518,19 @@ async function simplerModels(id?: number): Promise<void> {
 async function sweepCases(id?: number): Promise<void> {
   const head = await extra("sweep", ({ done, total }) => `computing: ${done} of ${total} cases`, id);
   if (head) sweepFound(head);
-  const files = (await server.ask("files")).head;
-  if (!files.error) list(files);
+  refresh();
 }
 
 async function begin(step: Step): Promise<void> {
   if (!(await halted())) return;
-  file = { name: "", stamp: "" };
-  clean = step.scenario;
-  beside = undefined;
-  editor.text = clean;
-  if (!tabs.form.hidden) form.show(clean);
+  put("", "", step.scenario);
   player.choose(step.pace);
-  const given = { unkept: true };
-  if (step.beside) {
-    if (!(await compute("lesson", { ...given, name: `${step.name}.beside` }, { other: null, step }))) return;
-    beside = film;
+  for (const name of step.beside ? [`${step.name}.beside`, step.name] : [step.name]) {
+    const head = await stored("lesson", name, step);
+    if (!head) return; // another one was chosen meanwhile
+    ended(head);
+    if (name !== step.name) beside = player.film;
   }
-  await compute("lesson", { ...given, name: step.name }, { step });
 }
 
 // -- Keys -------------------------------------------------------------------------------------------------------
@@ -553,7 +546,7 @@ large.onclick = () => {
 };
 function redraw(): void {
   player.redraw();
-  sweeps.draw();
+  sweeps.map.draw();
 }
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
 addEventListener("keydown", (event) => {
@@ -566,10 +559,8 @@ addEventListener("keydown", (event) => {
     const target = event.target as HTMLElement;
     const isOurs = target === canvas || target === document.body;
     if (!isOurs && !(by && (target.tagName === "BUTTON" || target.getAttribute("aria-label") === "Time"))) return;
-    if (event.key === " ") player.toggle();
-    else if (by && player.isActive) player.step(by);
-    else if (by) dragging.nudge(by);
-    else return;
+    if (by && !player.film) dragging.nudge(by);
+    else if (!player.press(event.key)) return;
   }
   event.preventDefault();
 });

@@ -1,14 +1,12 @@
 import { type Column, casesAt, levels, nextFrom, placesOf, type Sweep, told } from "./cases";
 import { stepOf, steps } from "./colours";
 import { button, coloursOf, element, pairs, select } from "./dom";
-import { ticks } from "./units";
+import { ends, ticks } from "./units";
 
 const [WIDTH, HEIGHT] = [384, 300];
 const EDGE = { left: 62, right: 12, top: 30, bottom: 42 };
 const LONGEST = 14; // letters of a word at an axis
 const NOTHING = "";
-
-type Ends = [number, number];
 
 /** What is done with a case that was picked. */
 export interface Actions {
@@ -68,21 +66,38 @@ export class SweepMap {
 
   /** Draw anew, as after light has become dark. */
   draw(): void {
-    if (!this.sweep) return;
-    this.choose(this.sweep);
+    const { sweep } = this;
+    if (!sweep) return;
+    this.choose(sweep);
     this.points.clear();
-    const rows = casesAt(this.sweep, this.fixed);
-    const column = (name: string) => this.sweep?.parameters.find((one) => one.name === name) as Column;
-    const quantity = this.sweep.quantities.find((one) => one.name === this.chosen.quantity) as Column;
-    const x = column(this.chosen.x);
     this.picture.replaceChildren();
-    const words = [column(this.chosen.y)]
-      .filter((one) => one && !one.numeric)
-      .flatMap((one) => levels(one) as string[]);
+    const rows = casesAt(sweep, this.fixed);
+    const [x, y] = [this.chosen.x, this.chosen.y].map((name) => sweep.parameters.find((one) => one.name === name));
+    const quantity = sweep.quantities.find((one) => one.name === this.chosen.quantity);
+    if (!x || !quantity) return;
+    const values = placesOf(quantity);
+    const words = y && !y.numeric ? (levels(y) as string[]) : [];
     EDGE.left = Math.max(62, 12 + 6 * Math.min(LONGEST, Math.max(0, ...words.map((word) => word.length))));
-    if (this.chosen.y === NOTHING) this.curve(x, quantity, rows);
-    else if (this.sweep.grid) this.cells(x, column(this.chosen.y), quantity, rows);
-    else this.cloud(x, column(this.chosen.y), quantity, rows);
+    const isGrid = sweep.grid && y !== undefined;
+    const [across, up] = [this.axis(x, rows, "x", isGrid), this.axis(y ?? quantity, rows, "y", isGrid)];
+    this.names(x, y ?? quantity);
+    if (!y && sweep.grid) {
+      const ordered = rows.filter((row) => Number.isFinite(values[row])).sort((a, b) => across(a) - across(b));
+      const points = ordered.map((row) => `${across(row)},${up(row)}`).join(" ");
+      this.picture.append(drawn("polyline", { points, class: "curve" }));
+    }
+    const colour = y ? this.scale(quantity, values, rows) : () => "var(--accent)";
+    const width = (WIDTH - EDGE.left - EDGE.right) / levels(x).length;
+    const height = (HEIGHT - EDGE.top - EDGE.bottom) / (y ? levels(y).length : 1);
+    for (const row of rows) {
+      const isThere = Number.isFinite(values[row]);
+      const fill = isThere ? colour(values[row]) : "none";
+      const [cx, cy] = [across(row), Number.isFinite(up(row)) ? up(row) : HEIGHT - EDGE.bottom - 6];
+      const shape = isGrid
+        ? drawn("rect", { x: cx - width / 2, y: cy - height / 2, width, height, fill, class: "cell" })
+        : drawn("circle", { cx, cy, r: 4.5, fill, class: "point" });
+      this.add(row, shape, cx, cy, isThere);
+    }
     this.pick(this.points.has(this.picked) ? this.picked : (rows[0] ?? -1));
   }
 
@@ -94,31 +109,20 @@ export class SweepMap {
         this.draw();
         this.choices.querySelector<HTMLElement>(`[aria-label="${label}"]`)?.focus();
       };
-      const made = select(
-        label,
-        options.map((one) => [one, one || "–"] as const),
-        choose,
-      );
-      made.value = now;
-      return element("label", {}, label, made);
+      const named = options.map((one) => [one, one || "–"] as const);
+      return element("label", {}, label, select(label, named, choose, { value: now }));
+    };
+    const set = (key: "quantity" | "x" | "y") => (value: string) => {
+      if (key === "x" && value === this.chosen.y) this.chosen.y = this.chosen.x;
+      this.chosen[key] = value;
     };
     const quantities = sweep.quantities.map((column) => column.name);
-    const made = [
-      labelled("Quantity", quantities, this.chosen.quantity, (value) => {
-        this.chosen.quantity = value;
-      }),
-      labelled("Along x", names, this.chosen.x, (value) => {
-        if (value === this.chosen.y) this.chosen.y = this.chosen.x;
-        this.chosen.x = value;
-      }),
-    ];
     const others = [NOTHING, ...names.filter((name) => name !== this.chosen.x)];
-    if (others.length > 1)
-      made.push(
-        labelled("Along y", others, this.chosen.y, (value) => {
-          this.chosen.y = value;
-        }),
-      );
+    const made = [
+      labelled("Quantity", quantities, this.chosen.quantity, set("quantity")),
+      labelled("Along x", names, this.chosen.x, set("x")),
+    ];
+    if (others.length > 1) made.push(labelled("Along y", others, this.chosen.y, set("y")));
     this.fixed = new Map([...this.fixed].filter(([name]) => name !== this.chosen.x && name !== this.chosen.y));
     for (const column of sweep.grid ? sweep.parameters : []) {
       const values = levels(column);
@@ -131,64 +135,6 @@ export class SweepMap {
     this.choices.replaceChildren(...made);
   }
 
-  private curve(x: Column, quantity: Column, rows: number[]): void {
-    const along = placesOf(x);
-    const up = placesOf(quantity);
-    const [sx, sy] = [this.axis(x, along, rows, "x"), this.axis(quantity, up, rows, "y")];
-    const there = rows.filter((row) => Number.isFinite(up[row]));
-    if (this.sweep?.grid) {
-      const ordered = [...there].sort((a, b) => along[a] - along[b]);
-      const points = ordered.map((row) => `${sx(along[row])},${sy(up[row])}`).join(" ");
-      this.picture.append(drawn("polyline", { points, class: "curve" }));
-    }
-    for (const row of rows) this.point(row, sx(along[row]), sy(up[row]));
-  }
-
-  private cloud(x: Column, y: Column, quantity: Column, rows: number[]): void {
-    const [along, up, values] = [placesOf(x), placesOf(y), placesOf(quantity)];
-    const [sx, sy] = [this.axis(x, along, rows, "x"), this.axis(y, up, rows, "y")];
-    const colour = this.scale(quantity, values, rows);
-    for (const row of rows) this.point(row, sx(along[row]), sy(up[row]), colour(values[row]));
-  }
-
-  private cells(x: Column, y: Column, quantity: Column, rows: number[]): void {
-    const [columns, lines] = [levels(x), levels(y)];
-    const values = placesOf(quantity);
-    const colour = this.scale(quantity, values, rows);
-    const w = (WIDTH - EDGE.left - EDGE.right) / columns.length;
-    const h = (HEIGHT - EDGE.top - EDGE.bottom) / lines.length;
-    for (const row of rows) {
-      const i = columns.indexOf(x.values[row] as number);
-      const j = lines.indexOf(y.values[row] as number);
-      const [left, top] = [EDGE.left + i * w, HEIGHT - EDGE.bottom - (j + 1) * h];
-      const fill = Number.isFinite(values[row]) ? colour(values[row]) : "none";
-      const cell = { x: `${left}`, y: `${top}`, width: `${w}`, height: `${h}`, fill, class: "cell" };
-      this.add(row, drawn("rect", cell), left + w / 2, top + h / 2, Number.isFinite(values[row]));
-    }
-    const every = (count: number, most: number) => Math.ceil(count / most);
-    columns.forEach((value, i) => {
-      if (i % every(columns.length, 6) === 0)
-        this.text(short(told(value)), EDGE.left + (i + 0.5) * w, HEIGHT - EDGE.bottom + 15, "middle");
-    });
-    lines.forEach((value, j) => {
-      if (j % every(lines.length, 10) === 0)
-        this.text(short(told(value)), EDGE.left - 5, HEIGHT - EDGE.bottom - (j + 0.5) * h + 4, "end");
-    });
-    this.names(x, y);
-  }
-
-  private point(row: number, x: number, y: number, fill = "var(--accent)"): void {
-    const isThere = Number.isFinite(y) && Number.isFinite(x);
-    const foot = isThere ? y : HEIGHT - EDGE.bottom - 6;
-    const place = { cx: `${x}`, cy: `${foot}`, r: "4.5", fill: isThere ? fill : "none", class: "point" };
-    this.add(row, drawn("circle", place), x, foot, isThere && Number.isFinite(this.numberOf(row)));
-  }
-
-  private numberOf(row: number): number {
-    const value = this.sweep?.quantities.find((one) => one.name === this.chosen.quantity)?.values[row];
-    return typeof value === "number" ? value : Number.NaN;
-  }
-
   /** A case in the picture: a ring where it is doubtful, a cross where it has no value. */
   private add(row: number, shape: SVGElement, x: number, y: number, hasValue: boolean): void {
     shape.addEventListener("click", () => this.pick(row));
@@ -196,7 +142,7 @@ export class SweepMap {
     this.points.set(row, [x, y]);
     this.picture.append(shape);
     const d = `M${x - 4},${y - 4}l8,8m0,-8l-8,8`;
-    const ring = { cx: `${x}`, cy: `${y}`, r: "7" };
+    const ring = { cx: x, cy: y, r: 7 };
     if (!hasValue) this.picture.append(drawn("path", { d, class: "without" }));
     else if (this.sweep?.outcomes[row] === "doubtful")
       this.picture.append(drawn("circle", { ...ring, class: "halo" }), drawn("circle", { ...ring, class: "doubtful" }));
@@ -209,24 +155,25 @@ export class SweepMap {
     return named.map((one) => `${one.name} ${told(one.values[row], one.unit)}`).join(", ");
   }
 
-  private axis(column: Column, places: number[], rows: number[], which: "x" | "y"): (value: number) => number {
-    const [low, high] = ends(rows.map((row) => places[row]));
-    const [from, to] =
-      which === "x" ? [EDGE.left + 8, WIDTH - EDGE.right - 8] : [HEIGHT - EDGE.bottom - 8, EDGE.top + 8];
-    const at = (value: number) => from + ((value - low) / (high - low || 1)) * (to - from);
-    const marks = column.numeric ? ticks(low, high, 5) : levels(column).map((_, i) => i);
-    for (const mark of marks) {
-      const text = column.numeric ? told(mark) : short(`${levels(column)[mark]}`);
-      if (which === "x") {
-        this.picture.append(line(at(mark), EDGE.top, at(mark), HEIGHT - EDGE.bottom));
-        this.text(text, at(mark), HEIGHT - EDGE.bottom + 15, "middle");
-      } else {
-        this.picture.append(line(EDGE.left, at(mark), WIDTH - EDGE.right, at(mark)));
-        this.text(text, EDGE.left - 5, at(mark) + 4, "end");
-      }
+  /** Marks of an axis; returns where each case is along it. In a grid, values stand side by side as words do. */
+  private axis(column: Column, rows: number[], which: "x" | "y", isGrid: boolean): (row: number) => number {
+    const [known, isWords] = [levels(column), isGrid || !column.numeric];
+    const places = isWords ? column.values.map((value) => known.indexOf(value as string)) : placesOf(column);
+    const [low, high] = isGrid ? [-0.5, known.length - 0.5] : endsOf(places, rows);
+    const isX = which === "x";
+    const [from, to] = isX ? [EDGE.left, WIDTH - EDGE.right] : [HEIGHT - EDGE.bottom, EDGE.top];
+    const inset = isGrid ? 0 : 8 * Math.sign(to - from);
+    const at = (place: number) => from + inset + ((place - low) / (high - low || 1)) * (to - from - 2 * inset);
+    const every = Math.ceil(known.length / (isX ? 6 : 10));
+    for (const mark of isWords ? [...known.keys()].filter((i) => i % every === 0) : ticks(low, high, 5)) {
+      const text = shortened(told(isWords ? known[mark] : mark));
+      const [x, y] = isX ? [at(mark), HEIGHT - EDGE.bottom] : [EDGE.left, at(mark)];
+      const end = isX ? { x2: x, y2: EDGE.top } : { x2: WIDTH - EDGE.right, y2: y };
+      this.picture.append(drawn("line", { x1: x, y1: y, ...end, class: "grid" }));
+      if (isX) this.text(text, x, y + 15, "middle");
+      else this.text(text, x - 5, y + 4, "end");
     }
-    if (which === "y") this.names(this.sweep?.parameters.find((one) => one.name === this.chosen.x) as Column, column);
-    return at;
+    return (row) => at(places[row]);
   }
 
   private names(x: Column, y: Column): void {
@@ -237,26 +184,17 @@ export class SweepMap {
 
   /** Colours of a quantity, with their scale in the corner. */
   private scale(quantity: Column, values: number[], rows: number[]): (value: number) => string {
-    const table = steps(coloursOf(this.place)("--dark") === "1");
-    const [low, high] = ends(rows.map((row) => values[row]));
-    const wide = 90;
-    const left = WIDTH - EDGE.right - wide;
-    table.forEach((fill, i) => {
-      const part = wide / table.length;
-      const bar = { x: `${left + i * part}`, y: "18", width: `${part + 0.3}`, height: "6", fill };
-      this.picture.append(drawn("rect", bar));
-    });
-    this.text(
-      `${told(low)} to ${told(high)}${quantity.unit ? ` ${quantity.unit}` : ""}`,
-      WIDTH - EDGE.right,
-      14,
-      "end",
-    );
+    const table = steps(coloursOf(this.place));
+    const [low, high] = endsOf(values, rows);
+    const [part, right] = [90 / table.length, WIDTH - EDGE.right];
+    for (const [i, fill] of table.entries())
+      this.picture.append(drawn("rect", { x: right - 90 + i * part, y: 18, width: part + 0.3, height: 6, fill }));
+    this.text(`${told(low)} to ${told(high, quantity.unit)}`, right, 14, "end");
     return (value) => table[stepOf(value, low, high)];
   }
 
   private text(text: string, x: number, y: number, anchor: string): void {
-    this.picture.append(drawn("text", { x: `${x}`, y: `${y}`, "text-anchor": anchor }, text));
+    this.picture.append(drawn("text", { x, y, "text-anchor": anchor }, text));
   }
 
   private pick(row: number): void {
@@ -265,7 +203,7 @@ export class SweepMap {
     const at = this.points.get(row);
     this.picked = row;
     if (!sweep || !at) return;
-    const ring = { cx: `${at[0]}`, cy: `${at[1]}`, r: "9.5" };
+    const ring = { cx: at[0], cy: at[1], r: 9.5 };
     for (const name of ["halo here", "mark here"]) this.picture.append(drawn("circle", { ...ring, class: name }));
     const columns = [...sweep.parameters, ...sweep.quantities];
     const rows = columns.map((column) => [column.name, told(column.values[row], column.unit)] as const);
@@ -295,22 +233,19 @@ export class SweepMap {
   }
 }
 
-function ends(values: number[]): Ends {
-  const there = values.filter(Number.isFinite);
-  return there.length ? [Math.min(...there), Math.max(...there)] : [0, 1];
-}
-
-function short(word: string): string {
+function shortened(word: string): string {
   return word.length > LONGEST ? `${word.slice(0, LONGEST - 1)}…` : word;
 }
 
-function line(x1: number, y1: number, x2: number, y2: number): SVGElement {
-  return drawn("line", { x1: `${x1}`, y1: `${y1}`, x2: `${x2}`, y2: `${y2}`, class: "grid" });
+/** The smallest and the largest value of some cases. */
+function endsOf(values: number[], rows: number[]): [number, number] {
+  const found = ends(rows.map((row) => values[row]));
+  return found[0] <= found[1] ? found : [0, 1];
 }
 
-function drawn(tag: string, given: Record<string, string>, text = ""): SVGElement {
+function drawn(tag: string, given: Record<string, string | number>, text = ""): SVGElement {
   const made = document.createElementNS("http://www.w3.org/2000/svg", tag);
-  for (const [name, value] of Object.entries(given)) made.setAttribute(name, value);
+  for (const [name, value] of Object.entries(given)) made.setAttribute(name, `${value}`);
   if (text) made.textContent = text;
   return made;
 }

@@ -21,8 +21,5 @@ export function unpacked(data: ArrayBuffer): Message {
 
 /** What a text in base64 holds. */
 export function bytesOf(text: string): ArrayBuffer {
-  const signs = atob(text);
-  const found = new Uint8Array(signs.length);
-  for (let i = 0; i < signs.length; i++) found[i] = signs.charCodeAt(i);
-  return found.buffer;
+  return Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0)).buffer;
 }

@@ -1,4 +1,5 @@
 import type { Frame, Layout } from "./film";
+import { rounded } from "./units";
 
 /** What `ropewalk.results.picture` describes: quantities, symbols, and what grows with the frames. */
 export interface Quantity {
@@ -45,8 +46,7 @@ export interface State {
 /** A number with its unit, to so many digits; round-off of the range is zero. */
 export function said(value: number, { low, high, unit }: Shown, digits = 3): string {
   const isZero = Math.abs(value) <= 1e-6 * Math.max(Math.abs(low), Math.abs(high));
-  const decimals = Math.min(Math.max(digits - 1 - Math.floor(Math.log10(Math.abs(value))), 0), digits);
-  return `${isZero ? "0" : value.toFixed(decimals).replace("-", "−")} ${unit.replace("*", " ")}`.trim();
+  return `${isZero ? "0" : rounded(value, digits)} ${unit.replace("*", " ")}`.trim();
 }
 
 /** The values that colour the links of a line, in SI; of quantities of nodes the means of their ends; NaN: none. */

@@ -4,7 +4,7 @@ import type { Film, Frame, Layout } from "./film";
 import { type Picture, type State, said } from "./picture";
 import { Plots } from "./plots";
 import { Stage, type View } from "./stage";
-import { written } from "./units";
+import { ends, written } from "./units";
 
 const SPEEDS = [0.02, 0.1, 0.25, 0.5, 1, 2, 5].map((value) => [`${value}`, `${value} × speed`] as const);
 const FACTORS = [0, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].map(
@@ -19,8 +19,8 @@ export class Player {
   readonly numbers = element("dl", { class: "numbers", "aria-live": "off" });
   readonly stage: Stage;
   private plots = new Plots(this.plotted, (path) => this.go(path));
-  private film?: Film;
-  private beside?: Film;
+  film?: Film;
+  beside?: Film; // the run that is drawn faintly
   private view?: View;
   private now = 0; // s of the run, or m of the load's path
   private speed = 1;
@@ -45,14 +45,13 @@ export class Player {
   private placed = ""; // for which end and how many doubts the marks stand where they are
   private marks = element("span", { class: "marks" });
   private clock = element("output", { class: "clock" }, "0 s");
-  private pace = select("Speed", SPEEDS, () => this.chosen(), { title: "Speed" });
+  private pace = select("Speed", SPEEDS, () => this.chosen(), { title: "Speed", value: "1" });
   private larger = select("Exaggeration", FACTORS, () => this.chosen(), { title: "Exaggeration of displacements" });
 
   /** `label`: of the picture, for those who do not see it. */
   constructor(label: string) {
     this.canvas = element("canvas", { tabindex: "0", role: "img", "aria-label": label });
     this.stage = new Stage(this.canvas);
-    this.pace.value = "1";
     this.bar = element(
       "div",
       { class: "player", role: "group", "aria-label": "Film" },
@@ -62,10 +61,7 @@ export class Player {
       this.pace,
       this.larger,
     );
-    this.slider.oninput = () => {
-      this.playing = false;
-      this.go(this.slider.valueAsNumber);
-    };
+    this.slider.oninput = () => this.stop(this.slider.valueAsNumber);
   }
 
   private chosen(): void {
@@ -95,11 +91,6 @@ export class Player {
     this.stage.draw();
   }
 
-  /** The run that is drawn beside. */
-  get other(): Film | undefined {
-    return this.beside;
-  }
-
   /** Mark the instants of doubts on the slider. */
   mark(doubts: Doubt[]): void {
     this.doubts = doubts;
@@ -107,15 +98,13 @@ export class Player {
     this.refresh();
   }
 
-  private place(film: Film): void {
-    const timed =
-      film.layout.path === "time" ? this.doubts.filter((one) => (one.time ?? film.end + 1) <= film.end) : [];
-    const marks = timed.map((one) => {
-      const time = one.time ?? 0;
-      const about = { title: `${one.text}`, "aria-label": `Doubt at ${time} s` };
-      const mark = button("!", () => this.stop(time), { class: "alert", ...about });
-      mark.style.left = `calc(8px + ${time / Math.max(film.end, 1e-9)} * (100% - 16px))`;
-      return mark;
+  private place({ layout, end }: Film): void {
+    const marks = this.doubts.flatMap(({ time, text }) => {
+      if (layout.path !== "time" || time === null || time > end) return [];
+      const about = { class: "alert", title: text, "aria-label": `Doubt at ${time} s` };
+      const mark = button("!", () => this.stop(time), about);
+      mark.style.left = `calc(8px + ${time / Math.max(end, 1e-9)} * (100% - 16px))`;
+      return [mark];
     });
     this.marks.replaceChildren(...marks);
   }
@@ -124,10 +113,6 @@ export class Player {
   stop(path: number): void {
     this.playing = false;
     this.go(path);
-  }
-
-  get isActive(): boolean {
-    return this.film !== undefined;
   }
 
   /** Show another run, from its beginning. */
@@ -174,6 +159,15 @@ export class Player {
     this.go(this.film.path[i]);
   }
 
+  /** Play by space, step by arrow keys; false if the key means nothing. */
+  press(key: string): boolean {
+    if (key === " ") this.toggle();
+    else if (key === "ArrowRight") this.step(1);
+    else if (key === "ArrowLeft") this.step(-1);
+    else return false;
+    return true;
+  }
+
   /** Show frames that have come, with the next picture: many messages may come before it. */
   more(): void {
     if (this.hasMore) return;
@@ -192,10 +186,9 @@ export class Player {
       const rate = film.layout.path === "time" ? this.speed : this.speed * 0.2 * Math.max(film.end, 1e-9);
       this.now += (rate * Math.min(clock - this.last, 100)) / 1000;
       this.last = clock;
-      const ended = film.count >= film.total || this.isOver;
       if (this.now >= film.end) {
         this.now = film.end;
-        if (ended) this.playing = false;
+        this.playing = film.count < film.total && !this.isOver;
       }
       requestAnimationFrame(this.tick);
     }
@@ -239,10 +232,7 @@ export class Player {
 /** What is to be in view all the time, displacements being so much larger. */
 export function viewOf(film: Film, factor: number, beside?: Film): View {
   const films = beside?.count ? [film, beside] : [film];
-  const box = (axis: number): [number, number] => {
-    const all = films.map((one) => one.box(axis, factor));
-    return [Math.min(...all.map(([low]) => low)), Math.max(...all.map(([, high]) => high))];
-  };
+  const box = (axis: number) => ends(films.flatMap((one) => one.box(axis, factor)));
   const [x, z] = [box(0), box(film.layout.axes.length - 1)];
   const most = (name: string) => Math.max(...films.map((one) => one.most(name)));
   const w = x[1] - x[0];
@@ -275,18 +265,13 @@ export function numbersOf(film: Described, frame: Frame, dragged = ""): [string,
   for (const quantity of new Map(quantities.map((one) => [one?.name, one])).values()) {
     const shown = quantity && film.state.ranges[quantity.name];
     if (!shown) continue;
-    let [low, high] = [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY];
-    for (const value of frame[quantity.name] ?? []) {
-      if (value < low) low = value;
-      if (value > high) high = value;
-    }
+    const [low, high] = ends(frame[quantity.name] ?? []);
     rows.push([`largest ${quantity.label}`, said(high / shown.size, shown, 4)]);
     rows.push([`smallest ${quantity.label}`, said(low / shown.size, shown, 4)]);
   }
   const loads = film.layout.loads.length > 12 ? [] : film.layout.loads.slice(0, 4);
   loads.forEach((name, k) => {
-    const behind = frame.contact_tension?.[2 * k];
-    const ahead = frame.contact_tension?.[2 * k + 1];
+    const [behind, ahead] = frame.contact_tension?.subarray(2 * k) ?? [];
     const [x, z] = [frame.contact_position[k * axes], frame.contact_position[k * axes + axes - 1]];
     rows.push([`${name}: place x, z`, `${written(x, "m", 4)}, ${written(z, "m", 4)}`]);
     if (name === dragged && frame.ghost?.length)

@@ -2,6 +2,7 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { coloursOf } from "./dom";
 import type { Film } from "./film";
+import { ends } from "./units";
 
 const KEY = "ropewalk";
 const LABELLED = 12; // most loads whose forces are shown
@@ -10,7 +11,6 @@ interface Curve {
   name: string;
   values: number[];
   colour: string;
-  dash?: number[];
 }
 
 /** Curves over time beside the picture, that share its cursor. */
@@ -53,16 +53,11 @@ export class Plots {
     const x = Array.from(film.path.subarray(0, film.count));
     const colour = coloursOf(this.place);
     const groups = curves(film, colour, "");
-    if (beside && beside.count > 1) {
-      curves(beside, colour, "beside: ").forEach((group, g) => {
-        for (const curve of group.curves)
-          groups[g]?.curves.push({
-            ...curve,
-            colour: colour("--beside"),
-            values: x.map((path) => (path <= beside.end + 1e-9 ? curve.values[beside.at(path)] : Number.NaN)),
-          });
-      });
-    }
+    for (const [g, group] of (beside && beside.count > 1 ? curves(beside, colour, "beside: ") : []).entries())
+      for (const { name, values } of group.curves) {
+        const there = x.map((path) => (beside && path <= beside.end + 1e-9 ? values[beside.at(path)] : Number.NaN));
+        groups[g]?.curves.push({ name, values: there, colour: colour("--beside") });
+      }
     if (
       this.plots.length !== groups.length ||
       this.plots.some((p, g) => p.series.length !== groups[g].curves.length + 1)
@@ -99,10 +94,7 @@ export class Plots {
         { ...axis, label, labelSize: 16, size: 26 },
         { ...axis, size: 48 },
       ],
-      series: [
-        {},
-        ...group.map((c) => ({ label: c.name, stroke: c.colour, width: 1.5, dash: c.dash, points: { show: false } })),
-      ],
+      series: [{}, ...group.map((c) => ({ label: c.name, stroke: c.colour, width: 1.5, points: { show: false } }))],
       hooks: { draw: [(plot) => this.mark(plot, colour("--ink"))] },
     };
     const box = document.createElement("figure");
@@ -135,58 +127,44 @@ export class Plots {
 
 function curves(film: Film, colour: (name: string) => string, prefix: string): { title: string; curves: Curve[] }[] {
   const axes = film.layout.axes.length;
-  const many = Math.min(film.layout.loads.length, 6);
+  const loads = film.layout.loads.slice(0, 6);
   const tints = [colour("--load"), colour("--hold"), "#009e73", "#e69f00", "#cc79a7", "#56b4e9"];
   const scale = film.picture.around === null ? -1e-3 : 1; // kN downwards, or N upwards under an overhead line
-  const contact: Curve[] = [];
-  const path: Curve[] = [];
-  for (let k = 0; k < many; k++) {
-    const name = prefix + film.layout.loads[k];
-    contact.push({
-      name,
-      colour: tints[k],
-      values: film.series(`force ${k}`, (f) => scale * f.contact_force[k * axes + axes - 1]),
-    });
-    const place = film.series(`place ${k}`, (f) => f.contact_position[k * axes + axes - 1]);
-    path.push({ name, colour: tints[k], values: place });
-  }
   const found: { title: string; curves: Curve[] }[] = [];
+  const add = (title: string, curves: (readonly [name: string, values: number[], colour?: string])[]) => {
+    const tinted = curves.map(([name, values, own], k) => [prefix + name, values, own ?? tints[k % 6]] as const);
+    found.push({ title, curves: tinted.map(([name, values, colour]) => ({ name, values, colour })) });
+  };
+  /** A component of the loads, upwards. */
+  const upwards = (name: string, size: number) =>
+    loads.map((load, k) => [load, film.series(`${name} ${k}`, (f) => size * f[name][k * axes + axes - 1])] as const);
   for (const { quantity, unit, curves } of film.curves.groups) {
-    const own = Object.entries(curves).map(([name, values], k) => {
-      return { name: prefix + name, colour: tints[k % tints.length], values: shownOf(film, values) };
-    });
     const symbol = unit.replace("*", " ").replace("^2", "²");
-    found.push({ title: `${quantity} (${symbol}): ${Object.keys(curves).join(", ")}`, curves: own });
+    const own = Object.entries(curves).map(([name, values]) => [name, shownOf(film, values)] as const);
+    add(`${quantity} (${symbol}): ${Object.keys(curves).join(", ")}`, own);
   }
   const { colour: quantity, diagrams } = film.picture;
   const shown = quantity && film.state.ranges[quantity.name];
   if (quantity && shown && !found.some(({ title }) => title.startsWith(quantity.label))) {
-    const most = film.series(quantity.name, (f) => largest(f[quantity.name])).map((value) => value / shown.size);
-    const title = `largest ${quantity.label} (${shown.unit})`;
-    found.push({ title, curves: [{ name: prefix + quantity.label, colour: colour("--accent"), values: most }] });
+    const most = film.series(quantity.name, (f) => ends(f[quantity.name])[1]).map((value) => value / shown.size);
+    add(`largest ${quantity.label} (${shown.unit})`, [[quantity.label, most, colour("--accent")]]);
   }
   const title = scale > 0 ? "contact force, upwards (N)" : "contact force, downwards (kN)";
-  if (many && film.layout.loads.length <= LABELLED) found.push({ title, curves: contact });
-  if (many && !diagrams.length) found.push({ title: "path of the load, z (m)", curves: path });
-  const i = film.energies.indexOf("imbalance");
-  const j = film.energies.indexOf("kinetic");
+  if (loads.length && film.layout.loads.length <= LABELLED) add(title, upwards("contact_force", scale));
+  if (loads.length && !diagrams.length) add("path of the load, z (m)", upwards("contact_position", 1));
   if (film.has("energy") && film.layout.path === "time") {
-    const [kinetic, imbalance] = [j, i].map((at) => film.series(`energy ${at}`, (f) => f.energy[at]));
-    found.push({
-      title: "energy (J): kinetic, residual",
-      curves: [
-        { name: `${prefix}kinetic`, colour: colour("--accent"), values: kinetic },
-        { name: `${prefix}imbalance`, colour: colour("--load"), values: imbalance },
-      ],
-    });
+    const energy = (name: string) => {
+      const at = film.energies.indexOf(name);
+      return film.series(name, (f) => f.energy[at]);
+    };
+    const [kinetic, residual] = ["kinetic", "imbalance"].map(energy);
+    const curves = [
+      ["kinetic", kinetic, colour("--accent")] as const,
+      ["residual", residual, colour("--load")] as const,
+    ];
+    add("energy (J): kinetic, residual", curves);
   }
   return found;
-}
-
-function largest(values: Float32Array): number {
-  let most = Number.NEGATIVE_INFINITY;
-  for (const value of values) if (value > most) most = value;
-  return most;
 }
 
 /** The values of a curve over all frames of a result at those that are shown. */

@@ -1,3 +1,5 @@
+import { Source } from "./edits";
+
 /** The part of JSON schema that the scenario's schema uses. */
 export interface Schema {
   $ref?: string;
@@ -32,10 +34,9 @@ export function completions(root: Schema, before: string): Option[] {
   const last = lines[lines.length - 1];
   const value = /^\s*(?:[\w-]+:\s*\{?.*?,?\s*)?([\w-]+):\s+$/.exec(last);
   const path = pathOf(lines, indentOf(last));
-  const inline = /^\s*([\w-]+):\s*\{(.*)$/.exec(last);
+  const inline = /^\s*([\w-]+):\s*\{/.exec(last);
   if (inline) path.push(inline[1]);
-  const siblings = inline ? kindIn(inline[2]) : kindOf(lines, indentOf(last));
-  const blocks = walk(root, root, path, siblings);
+  const blocks = walk(root, root, path, new Source(before).value([...path, "kind"]));
   if (value) {
     const words = new Set<string>();
     for (const block of blocks)
@@ -68,20 +69,6 @@ function pathOf(lines: string[], indent: number): string[] {
     inside = found[1].length;
   }
   return path;
-}
-
-function kindIn(text: string): string | undefined {
-  return /kind:\s*([\w-]+)/.exec(text)?.[1];
-}
-
-/** The kind that a block says it is, in the lines before. */
-function kindOf(lines: string[], indent: number): string | undefined {
-  for (let i = lines.length - 2; i >= 0; i--) {
-    const depth = indentOf(lines[i]);
-    if (lines[i].trim() && depth < indent) return undefined;
-    if (depth === indent && /^\s*kind:/.test(lines[i])) return kindIn(lines[i]);
-  }
-  return undefined;
 }
 
 /** What a value may be, references followed. */

@@ -4,8 +4,8 @@ import { diagram } from "./diagrams";
 import { coloursOf } from "./dom";
 import type { Film, Frame, Layout } from "./film";
 import { type Picture, type State, valuesAlong } from "./picture";
-import { arrow, BEHIND, line, type Pen, type Spot, type Surface, symbol, triangle } from "./symbols";
-import { ticks, written } from "./units";
+import { arrow, BEHIND, dot, label, line, type Pen, type Spot, type Surface, symbol, triangle } from "./symbols";
+import { ends, short, ticks, written } from "./units";
 
 interface Drawn {
   layout: Layout;
@@ -66,17 +66,14 @@ export class Stage {
   show(scene: Scene | undefined, view?: View): void {
     this.scene = scene;
     if (view) this.view = view;
-    if (this.orbits) this.orbit ??= new Camera(this.canvas, () => this.draw(), this.closing.signal);
     this.draw();
   }
 
-  private get orbits(): boolean {
-    return this.scene?.orbits === true && this.scene.layout.axes.length === 3 && !this.scene.picture.around;
-  }
-
-  /** The camera that is in use. */
+  /** The camera, where one goes around. */
   private get camera(): Camera | undefined {
-    return this.orbits ? this.orbit : undefined;
+    if (!this.scene?.orbits || this.scene.layout.axes.length < 3 || this.scene.picture.around) return undefined;
+    this.orbit ??= new Camera(this.canvas, () => this.draw(), this.closing.signal);
+    return this.orbit;
   }
 
   draw(): void {
@@ -154,9 +151,8 @@ export class Stage {
   private window([low, high]: Range): Range {
     const { picture, frame, layout } = this.scene ?? {};
     if (!picture?.around || !frame || !layout) return [low, high];
-    const all = Array.from(frame.contact_position ?? []);
-    const there = all.filter((x, i) => i % layout.axes.length === 0 && Number.isFinite(x));
-    const [first, last] = there.length ? [Math.min(...there), Math.max(...there)] : [low, low];
+    const places = Array.from(frame.contact_position ?? []).filter((_, i) => i % layout.axes.length === 0);
+    const [first, last] = places.some(Number.isFinite) ? ends(places) : [low, low];
     const wide = Math.min(last - first + 2 * picture.around, high - low);
     const left = Math.min(Math.max((first + last - wide) / 2, low), high - wide);
     return [left, left + wide];
@@ -271,11 +267,8 @@ export class Stage {
       if (isNamed("lines", name)) places.push(this.at(frame.position, first + (count >> 1), reference));
     ink.textAlign = "center";
     for (const [x, z] of places) {
-      if (Number.isNaN(x)) continue;
-      ink.beginPath();
-      ink.arc(x, z - 20, 9, 0, 2 * Math.PI);
       ink.fillStyle = colour("--bad");
-      ink.fill();
+      dot(ink, [x, z - 20], 9); // nowhere, if there is no such place
       ink.fillStyle = colour("--panel");
       ink.fillText("!", x, z - 16);
     }
@@ -292,12 +285,10 @@ export class Stage {
     reference?: Float32Array,
   ): void {
     const { ink } = this.pen;
-    ink.beginPath();
-    for (let i = first; i < first + count; i++) ink.lineTo(...this.at(p, i, reference));
     ink.strokeStyle = stroke;
     ink.lineWidth = wide;
     ink.setLineDash(dash);
-    ink.stroke();
+    line(ink, ...Array.from({ length: count }, (_, i) => this.at(p, first + i, reference)));
     ink.setLineDash([]);
   }
 
@@ -321,7 +312,7 @@ export class Stage {
   private links(scene: Scene): void {
     const { layout, frame, reference, picture, state } = scene;
     const { ink, colour } = this.pen;
-    const names = steps(colour("--dark") === "1");
+    const names = steps(colour);
     const shown = picture.colour && state.ranges[picture.colour.name];
     const tint = (value: number) =>
       shown && Number.isFinite(value) ? names[stepOf(value / shown.size, shown.low, shown.high)] : colour("--faint");
@@ -347,14 +338,12 @@ export class Stage {
 
   /** Where the supports are that ends of lines have: their names, and their nodes. */
   supportNodes(): [string, number, number][] {
-    const { layout } = this.scene ?? {};
-    if (!layout) return [];
-    return layout.supports.flatMap((name, k): [string, number, number][] => {
-      const [line, end] = [name.slice(0, name.lastIndexOf(".")), name.slice(name.lastIndexOf(".") + 1)];
-      const own = layout.nodes.find(([n]) => n === line);
-      if (!own || (end !== "start" && end !== "end")) return [];
-      return [[name, end === "start" ? own[1] : own[1] + own[2] - 1, k]];
-    });
+    const { nodes = [], supports = [] } = this.scene?.layout ?? {};
+    return nodes.flatMap(([line, first, count]) =>
+      supports.flatMap((name, k): [string, number, number][] =>
+        name === `${line}.start` ? [[name, first, k]] : name === `${line}.end` ? [[name, first + count - 1, k]] : [],
+      ),
+    );
   }
 
   pixel(node: number): Spot {
@@ -388,7 +377,7 @@ export class Stage {
   }
 
   private force(at: Spot, force: number[], name: string, stroke: string): void {
-    const { ink, colour } = this.pen;
+    const { ink } = this.pen;
     const size = Math.hypot(...force);
     if (!(size > 0) || Number.isNaN(at[0])) return;
     const seen = this.camera?.seen(force);
@@ -399,22 +388,17 @@ export class Stage {
     const length = Math.max(along * Math.min(Math.max((size * 50) / (this.view.force || 1), 14), 60), 14);
     if (along > 0.2) arrow(ink, at, way, length, stroke);
     else {
-      ink.strokeStyle = stroke; // it points at who looks, or away
-      ink.lineWidth = 2;
-      ink.beginPath();
-      ink.arc(at[0], at[1], 11, 0, 2 * Math.PI);
-      ink.stroke();
+      ink.fillStyle = stroke; // it points at who looks, or away
+      dot(ink, at, 5);
     }
     ink.textAlign = way[0] < -0.3 ? "right" : way[0] > 0.3 ? "left" : "center";
     const [x, z] = [at[0] + way[0] * (length + 8), at[1] + way[1] * (length + 8)];
     const text = `${name}${written(size, "N")}`;
     const wide = ink.measureText(text).width;
     const inside = way[0] < -0.3 ? Math.max(x, wide + 4) : Math.min(x, this.canvas.clientWidth - wide - 4);
-    ink.lineWidth = 3;
-    ink.strokeStyle = colour("--panel");
-    ink.fillStyle = stroke;
-    for (const draw of ["strokeText", "fillText"] as const)
-      ink[draw](text, inside, Math.max(z + (way[1] > 0.3 ? 10 : name ? -12 : 0), 60)); // below the title
+    const aside = name || inside !== x ? -12 : 0; // where it would stand on its arrow
+    const below = Math.max(z + (way[1] > 0.3 ? 10 : aside), 60); // the title
+    label(this.pen, text, [inside, below], stroke);
     ink.textAlign = "left";
   }
 
@@ -431,33 +415,32 @@ export class Stage {
     const [sx, ox, sz, oz] = this.scale;
     const mark = (value: number, at: [number, number, number, number], x: number, z: number) => {
       line(ink, [at[0], at[1]], [at[2], at[3]]);
-      ink.fillText(`${+value.toPrecision(6)}`.replace("-", "−"), x, z);
+      ink.fillText(short(value), x, z);
     };
     ink.textAlign = "center";
     for (const x of ticks(x0, x1, 9).filter((x) => ox + sx * x < width - 50))
       mark(x, [ox + sx * x, 50, ox + sx * x, low], ox + sx * x, low + 15);
     ink.textAlign = "right";
-    const { label, level, size } = this.upright(scene);
-    const ends = [(z0 - level) / size, (z1 - level) / size];
-    for (const value of ticks(Math.min(...ends), Math.max(...ends), 5)) {
+    const { title, level, size } = this.upright(scene);
+    for (const value of ticks(...ends([(z0 - level) / size, (z1 - level) / size]), 5)) {
       const pz = oz + sz * (level + size * value);
       mark(value, [EDGE.left, pz, width - EDGE.right, pz], EDGE.left - 5, pz + 4);
     }
     ink.textAlign = "left";
-    ink.fillText(label, 8, 44);
+    ink.fillText(title, 8, 44);
     ink.fillText("x (m)", width - 36, low + 15);
   }
 
-  /** What the upright axis shows: its label, the height of zero in m, and the size of its unit as drawn, in m. */
-  private upright({ picture, state, reference, layout }: Scene): { label: string; level: number; size: number } {
+  /** What the upright axis shows: its title, the height of zero in m, and the size of its unit as drawn, in m. */
+  private upright({ picture, state, reference, layout }: Scene): { title: string; level: number; size: number } {
     const { colour } = picture;
     const shown = colour?.unit === "m" ? state.ranges[colour.name] : undefined;
     if (this.factor === 1 || state.height_factor !== 1 || !colour || !shown)
-      return { label: "z (m)", level: 0, size: 1 };
+      return { title: "z (m)", level: 0, size: 1 };
     const first = layout.nodes.find(([name]) => !colour.lines.length || colour.lines.includes(name))?.[1] ?? 0;
     const level = reference[layout.axes.length * (first + 1) - 1];
     const size = this.factor * shown.size * (colour.down ? -1 : 1);
-    return { label: `${colour.label} (${shown.unit})`, level, size };
+    return { title: `${colour.label} (${shown.unit})`, level, size };
   }
 
   /** The factors, the linear theory, and the bar of colours. */

@@ -1,5 +1,5 @@
 import type { Sweep } from "./cases";
-import type { Connection } from "./connection";
+import { type Connection, wrongOf } from "./connection";
 import { element } from "./dom";
 import { links, OF_SWEEPS } from "./exports";
 import { SweepMap } from "./map";
@@ -15,7 +15,7 @@ export interface Page {
 export class SweepTab {
   private exports = element("div", { class: "row" });
   private shown = element("div");
-  private map: SweepMap;
+  readonly map: SweepMap;
   private file = "";
   private hint = element(
     "p",
@@ -43,15 +43,10 @@ export class SweepTab {
     this.map.show(sweep);
   }
 
-  /** Light has become dark. */
-  draw(): void {
-    this.map.draw();
-  }
-
   private async fetched(row: number, then: (text: string, title: string) => void): Promise<void> {
     const { head } = await this.server.ask("case", { name: this.file, row });
-    const wrong = (head.problems as { message: string }[] | undefined)?.[0]?.message ?? head.error;
-    if (wrong) this.page.tell(String(wrong), true);
+    const wrong = wrongOf(head);
+    if (wrong) this.page.tell(wrong, true);
     else then(String(head.text), String(head.title));
   }
 }

@@ -80,10 +80,19 @@ export function arrow(ink: CanvasRenderingContext2D, [x, z]: Spot, [a, b]: Spot,
   ink.fill();
 }
 
-function dot(ink: CanvasRenderingContext2D, [x, z]: Spot, radius: number): void {
+export function dot(ink: CanvasRenderingContext2D, [x, z]: Spot, radius: number): void {
   ink.beginPath();
   ink.arc(x, z, radius, 0, 2 * Math.PI);
   ink.fill();
+}
+
+/** A text with a margin in the colour of the ground. */
+export function label({ ink, colour }: Pen, text: string, [x, z]: Spot, fill: string): void {
+  ink.lineWidth = 3;
+  ink.strokeStyle = colour("--panel");
+  ink.fillStyle = fill;
+  ink.strokeText(text, x, z);
+  ink.fillText(text, x, z);
 }
 
 /** A box on wheels that stand on the line. */
@@ -183,8 +192,8 @@ function post(
     line(ink, [x1 - 16, z1], [x1 + 16, z1]);
   }
   ink.strokeStyle = colour("--ink");
-  const radius = kind === "saddle" ? Math.max(size * metre, 10) : 6;
-  const half = kind === "saddle" ? Math.min(0.5 * Math.PI, 26 / radius) : Math.PI;
+  const radius = kind === "saddle" ? Math.max(size * metre, 16) : 6;
+  const half = kind === "saddle" ? Math.min(Math.PI / 3, 26 / radius) : Math.PI;
   ink.lineWidth = 4;
   ink.beginPath();
   if (kind !== "tower") ink.arc(x, z + radius, radius, -0.5 * Math.PI - half, -0.5 * Math.PI + half);

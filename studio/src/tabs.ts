@@ -7,13 +7,16 @@ import { button, element } from "./dom";
  */
 export function tabbed<Key extends string>(
   panels: Record<Key, HTMLElement>,
-  names: Record<Key, string>,
   opened: (key: Key) => void,
 ): { bar: HTMLElement; show: (key: Key) => void } {
   const bar = element("div", { class: "tabs", role: "tablist", "aria-label": "Panels" });
   const keys = Object.keys(panels) as Key[];
   const buttons = keys.map((key) => {
-    const made = button(names[key], () => show(key), { role: "tab", id: `tab-${key}`, "aria-controls": key });
+    const made = button(key[0].toUpperCase() + key.slice(1), () => show(key), {
+      role: "tab",
+      id: `tab-${key}`,
+      "aria-controls": key,
+    });
     const about = { id: key, role: "tabpanel", "aria-labelledby": `tab-${key}`, tabindex: "0" };
     for (const [name, value] of Object.entries(about)) panels[key].setAttribute(name, value);
     return made;

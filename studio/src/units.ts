@@ -1,10 +1,10 @@
 /** A number as an engineer writes it: three digits (or more), and a unit with a prefix. */
 export function written(value: number, unit: string, digits = 3): string {
   if (!Number.isFinite(value)) return "–";
-  if (value === 0) return unit ? `0 ${unit}` : "0";
+  if (value === 0) return `0 ${unit}`.trim();
   const size = Math.abs(value);
   const [factor, prefix] =
-    unit === "" || size === 0
+    unit === ""
       ? [1, ""]
       : size >= 1e6
         ? [1e-6, "M"]
@@ -13,10 +13,28 @@ export function written(value: number, unit: string, digits = 3): string {
           : size < 0.1 && unit !== "kg"
             ? [1e3, "m"]
             : [1, ""];
-  const scaled = value * factor;
-  const before = Math.abs(scaled) >= 1 ? Math.floor(Math.log10(Math.abs(scaled))) + 1 : 0;
-  const text = scaled.toFixed(Math.min(Math.max(digits - before, 0), digits)).replace("-", "−");
-  return `${text}${unit ? ` ${prefix}${unit}` : ""}`;
+  return `${rounded(value * factor, digits)}${unit ? ` ${prefix}${unit}` : ""}`;
+}
+
+/** A number to so many digits, of small ones so many decimals. */
+export function rounded(value: number, digits: number): string {
+  const decimals = Math.min(Math.max(digits - 1 - Math.floor(Math.log10(Math.abs(value))), 0), digits);
+  return value.toFixed(decimals).replace("-", "−");
+}
+
+/** A number without the zeros at its end. */
+export function short(value: number, digits = 6): string {
+  return `${Number(value.toPrecision(digits))}`.replace("-", "−");
+}
+
+/** The smallest and the largest of some numbers that are finite; infinite where there are none. */
+export function ends(values: Iterable<number>): [number, number] {
+  let [low, high] = [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY];
+  for (const value of values) {
+    if (value < low && Number.isFinite(value)) low = value;
+    if (value > high && Number.isFinite(value)) high = value;
+  }
+  return [low, high];
 }
 
 /** Round steps of a scale. */

@@ -38,26 +38,11 @@ export class Viewer {
       ...((beside?.ended.doubts as Doubt[]) ?? []).map(({ text }) => `${beside?.ended.title}: ${text}`),
     ];
     const over = beside ? [element("span", { class: "hint" }, `faint: ${beside.ended.title}`)] : [];
+    const warnings = distrusted.map((text) => element("p", { class: "doubt" }, text));
+    const section = element("section", { class: "stage" }, canvas, bar, plotted);
     this.parts = [
-      element(
-        "header",
-        {},
-        element("h1", {}, String(title)),
-        element("span", { class: "outcome" }, String(outcome)),
-        ...over,
-      ),
-      element(
-        "main",
-        {},
-        element("section", { class: "stage" }, canvas, bar, plotted),
-        element(
-          "aside",
-          {},
-          ...distrusted.map((text) => element("p", { class: "doubt" }, text)),
-          numbers,
-          ...folded(String(summary)),
-        ),
-      ),
+      element("header", {}, element("h1", {}, String(title)), element("span", {}, String(outcome)), ...over),
+      element("main", {}, section, element("aside", {}, ...warnings, numbers, ...folded(String(summary)))),
     ];
     this.film = filmOf(run);
     this.player.load(this.film, beside && filmOf(beside));
@@ -70,13 +55,10 @@ export class Viewer {
     this.player.more();
   }
 
-  /** Play by space, step by arrow keys; true if the key meant something. */
+  /** Play and step by keys; true if the key meant something. */
   key(event: KeyboardEvent): boolean {
-    if (event.target instanceof HTMLSelectElement || event.target instanceof HTMLButtonElement) return false;
-    if (event.key === " ") this.player.toggle();
-    else if (event.key === "ArrowRight") this.player.step(1);
-    else if (event.key === "ArrowLeft") this.player.step(-1);
-    else return false;
+    const isControl = event.target instanceof HTMLSelectElement || event.target instanceof HTMLButtonElement;
+    if (isControl || !this.player.press(event.key)) return false;
     event.preventDefault();
     return true;
   }

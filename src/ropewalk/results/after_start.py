@@ -19,14 +19,13 @@ from ropewalk.results.contact_statistics import scenario_of
 from ropewalk.results.contract import path_name
 from ropewalk.results.display_units import Row, number
 from ropewalk.results.extremes import Summary
-from ropewalk.results.frame import OFF_LINE, Array
-from ropewalk.results.lifted_rope import is_touched
+from ropewalk.results.frame import OFF_LINE
+from ropewalk.results.sag import supported
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from ropewalk.model import Scenario
-    from ropewalk.model.line import Line
 
 AFTER_START = "after_start"
 """Entry of the summary without the transient."""
@@ -101,7 +100,7 @@ def _return(dataset: xr.Dataset, scenario: Scenario, line: str, xi: float) -> fl
     """Time in s after which waves from a place on a line have returned from both sides; NaN where it is not known."""
     own, links = (np.flatnonzero(dataset[name].values == line) for name in ("line", "link_line"))
     station, declared = dataset["xi"].values[own], scenario.lines[line]
-    stations = np.sort([station[0], station[-1], *_support_stations(dataset, line, declared, station)])
+    stations = supported(dataset.isel(time=[0]), line)[0]
     low, high = (stations[stations < xi].max(initial=-np.inf), stations[stations > xi].min(initial=np.inf))
     if not (np.isfinite(low) and np.isfinite(high)):
         return math.nan  # it starts at an end
@@ -115,20 +114,6 @@ def _return(dataset: xr.Dataset, scenario: Scenario, line: str, xi: float) -> fl
     times = np.where(inside, np.diff(station), 0.0) / np.sqrt(np.where(inside, square, 1.0))
     passed = np.interp([low, xi, high], station, np.concatenate([[0.0], np.cumsum(times)]))
     return _MARGIN * 2.0 * float(np.diff(passed).max())
-
-
-def _support_stations(dataset: xr.Dataset, name: str, line: Line, station: Array) -> list[float]:
-    """Stations of inner supports, sheaves and saddles that touch the line at the start, m."""
-    found = [float(support.at) for support in line.supports.values()]
-    place, known = dataset["position"][0].values[dataset["line"].values == name], dataset["support"].values.tolist()
-    tension = dataset["tension"][:1].values[:, dataset["link_line"].values == name]
-    bodies = [*((key, saddle.at) for key, saddle in line.saddles.items())]
-    for key, at in [*bodies, *((key, sheave.at) for key, sheave in line.sheaves.items())]:
-        if (support := f"{name}.{key}") not in known or len(at) != place.shape[1]:
-            continue
-        if is_touched(dataset["reaction"][:1, known.index(support)].values, tension)[0]:
-            found.append(float(station[np.linalg.norm(place - np.array(at), axis=1).argmin()]))
-    return found
 
 
 def rows_after_start(found: Summary, rows: Callable[[Summary], Iterable[Row]]) -> Iterator[Row]:

@@ -41,8 +41,7 @@ class LiftedRopeWatch(Watch):
         self._nodes = {name: self.nodes_of(name) for name, *_ in self._saddles}
         self._links = {name: self.links_of(name) for name, *_ in self._saddles}
         self._first: dict[tuple[str, str], float] = {}  # s or m, the first frame without contact
-        self._highest: dict[tuple[str, str], tuple[float, float]] = {}  # m over the crown, and when, without contact
-        self._lowest: dict[tuple[str, str], tuple[float, float]] = {}
+        self._gaps: dict[tuple[str, str], list[tuple[float, float]]] = {}  # m over the crown, and when; the extremes
 
     def see(self, frames: Frames) -> None:
         """Take note of frames."""
@@ -56,12 +55,12 @@ class LiftedRopeWatch(Watch):
                 gap, when = float(np.interp(there, along, place[:, -1]) - crown[-1]), float(frames.path[f])
                 if abs(gap) > _GAP:
                     self._first.setdefault((name, key), when)
-                    self._highest[name, key] = max(self._highest.get((name, key), (gap, when)), (gap, when))
-                    self._lowest[name, key] = min(self._lowest.get((name, key), (gap, when)), (gap, when))
+                    gaps = sorted([*self._gaps.get((name, key), []), (gap, when)])
+                    self._gaps[name, key] = [gaps[0], gaps[-1]]
 
     def messages(self, run_info: RunInfo) -> Iterator[str]:
         """The saddles that their rope lifts off, with instant, gap and remedy."""
-        for (name, key), (gap, when) in self._highest.items():
+        for (name, key), (_, (gap, when)) in self._gaps.items():
             if gap > 0.0:
                 yield (
                     f"line {name} does not touch saddle {key} from {self.at(self._first[name, key])} on: it is up to "
@@ -71,7 +70,7 @@ class LiftedRopeWatch(Watch):
 
     def doubts(self, run_info: RunInfo) -> Iterator[Doubt]:
         """The saddles below which their rope was found, though it lies on them."""
-        for (name, key), (gap, when) in self._lowest.items():
+        for (name, key), ((gap, when), _) in self._gaps.items():
             if gap < 0.0:
                 line = self.scenario.lines[name]
                 links, radius = len(self._links[name]), line.saddles[key].radius

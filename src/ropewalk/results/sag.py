@@ -39,25 +39,14 @@ def sag(dataset: xr.Dataset, line: str) -> Distances:
         Of nodes, then of contacts; positive below the chord, NaN where the chord is vertical to within 1 degree.
     """
     place, xi = _nodes(dataset, line)
-    if (knots := _over_sheaves(dataset, line, place, xi)) is not None:
-        points, at = (np.concatenate(both, axis=1) for both in zip((place, xi), _contacts(dataset, line), strict=True))
-        return Distances(_height(points, at, *knots) - points[..., -1], at, points)
-    away = place - place[:, :1]
-    run, along = _onward(away, away)
-    rise, z = away[:, -1:, -1], place[..., -1]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        slope = np.where(run > _STEEP * np.hypot(run, rise), rise / run, np.nan)
-    height = _chord_height(dataset, line, place, along)
     spots, at = _contacts(dataset, line)
-    _, there = _onward(spots - place[:, :1], away)
-    there = np.where((there >= 0.0) & (there <= run), there, np.nan)  # beyond its ends it is on another line
-    if height is None:
-        chord, below = z[:, :1] + slope * along, z[:, :1] + slope * there
-    else:
-        chord = np.where(np.isfinite(slope), height, np.nan)
-        below = np.reshape([np.interp(x, u, h) for x, u, h in zip(there, along, chord, strict=True)], there.shape)
-    depth = np.concatenate([chord - z, below - spots[..., -1]], axis=1)
-    return Distances(depth, np.concatenate([xi, at], axis=1), np.concatenate([place, spots], axis=1))
+    knots, station = _knots(dataset, line, place, xi)
+    if "sheaves" not in declared(dataset, "lines").get(line, {}):
+        run, there = _onward(spots, place)
+        is_beyond = (there < 0.0) | (there > run)  # of its ends: it is on another line
+        spots = np.where(is_beyond[..., None], np.nan, spots)
+    points, at = np.concatenate([place, spots], axis=1), np.concatenate([xi, at], axis=1)
+    return Distances(_height(points, at, knots, station) - points[..., -1], at, points)
 
 
 def sideways(dataset: xr.Dataset, line: str) -> Distances:
@@ -72,7 +61,7 @@ def sideways(dataset: xr.Dataset, line: str) -> Distances:
     """
     place, xi = _nodes(dataset, line)
     away = place - place[:, :1]
-    run, _ = _onward(away, away)
+    run, _ = _onward(place, place)
     with np.errstate(divide="ignore", invalid="ignore"):
         left = (away[:, -1:, 0] * away[..., 1] - away[:, -1:, 1] * away[..., 0]) / run
     upright = run <= 1e-9 * np.abs(away[:, -1:]).max(axis=2)
@@ -95,19 +84,46 @@ def _contacts(dataset: xr.Dataset, line: str) -> tuple[Array, Array]:
     return np.where(touch[..., None], place, np.nan), np.where(touch, xi, np.nan)
 
 
-def _over_sheaves(dataset: xr.Dataset, line: str, place: Array, xi: Array) -> tuple[Array, Array] | None:
-    """Places (frame, knot, axis) and xi (frame, knot) of ends and sheaves of a line, m; None without sheaves."""
-    sheaves = declared(dataset, "lines").get(line, {}).get("sheaves")
-    if not sheaves or "sheave_station" not in dataset:
-        return None
-    known = dataset["sheave"].values.tolist()
-    station = dataset["sheave_station"].values[:, [known.index(f"{line}.{name}") for name in sheaves]]
-    written = [one["at"] for one in sheaves.values()]  # with two or three components, as in results or not
-    top = np.array([(at[0], at[1] if len(at) == 3 else 0.0, at[-1]) for at in written], dtype=float)
-    top = top[:, :: 1 if place.shape[-1] == 3 else 2]
-    tops = np.broadcast_to(top, (len(place), *top.shape))
-    where = np.concatenate([place[:, :1], tops, place[:, -1:]], axis=1)
-    return where, np.concatenate([xi[:, :1], station, xi[:, -1:]], axis=1)
+def supported(dataset: xr.Dataset, line: str) -> Array:
+    """Return xi of the points that a line hangs from, (frame, knot) m, in their order."""
+    return _knots(dataset, line, *_nodes(dataset, line))[1]
+
+
+def _knots(dataset: xr.Dataset, line: str, place: Array, xi: Array) -> tuple[Array, Array]:
+    """Return places (frame, knot, axis) and xi (frame, knot) of what a line hangs from, m, in the order of xi.
+
+    These are its ends, inner supports, sheaves and saddles. A saddle that bears no force in a frame supports nothing
+    then: the chord spans it, and its knot is at the start.
+    """
+    of = declared(dataset, "lines").get(line, {})
+    nodes = [0, -1, *(int(np.abs(xi[0] - float(one["at"])).argmin()) for one in (of.get("supports") or {}).values())]
+    places, stations = [place[:, i] for i in nodes], [xi[:, i] for i in nodes]
+    if "sheave_station" in dataset:
+        known = dataset["sheave"].values.tolist()
+        for name, sheave in (of.get("sheaves") or {}).items():
+            places.append(np.broadcast_to(_top(sheave, place), places[0].shape))
+            stations.append(dataset["sheave_station"].values[:, known.index(f"{line}.{name}")])
+    for name, saddle in (of.get("saddles") or {}).items():
+        top = np.broadcast_to(_top(saddle, place), places[0].shape)[:, None]
+        _, along = _onward(place, place)
+        run, there = _onward(top, place)
+        rope = np.array([[np.interp(w, u, x), np.interp(w, u, z)] for w, u, x, z in zip(
+            there[:, 0], along, xi, place[..., -1], strict=True)])  # fmt: skip
+        top = np.concatenate([top[:, 0, :-1], np.maximum(top[:, 0, -1], rope[:, 1])[:, None]], axis=1)
+        bears = _is_touched(dataset, f"{line}.{name}", line) & ((there > 0.0) & (there < run))[:, 0]
+        places.append(np.where(bears[:, None], top, place[:, 0]))
+        stations.append(np.where(bears, rope[:, 0], xi[:, 0]))
+    order = np.argsort(np.stack(stations, axis=1), axis=1, kind="stable")
+    return (
+        np.take_along_axis(np.stack(places, axis=1), order[..., None], axis=1),
+        np.take_along_axis(np.stack(stations, axis=1), order, axis=1),
+    )
+
+
+def _top(support: dict[str, Any], place: Array) -> Array:
+    """Return where a sheave or saddle is, (axis,) m; its file may have two or three components."""
+    at = [float(value) for value in support["at"]]
+    return np.array([at[0], *([at[1] if len(at) == 3 else 0.0] if place.shape[-1] == 3 else []), at[-1]])
 
 
 def _height(points: Array, at: Array, knots: Array, station: Array) -> Array:
@@ -122,50 +138,18 @@ def _height(points: Array, at: Array, knots: Array, station: Array) -> Array:
     return np.where(level > _STEEP**2 * (chord**2).sum(axis=2), height, np.nan)
 
 
-def _onward(away: Array, of_line: Array) -> tuple[Array, Array]:
+def _onward(points: Array, place: Array) -> tuple[Array, Array]:
     """Level length of a chord (frame, 1) and the way of points along it (frame, point), m, from the start of the line.
 
     Args:
-        away: of the points from the start, (frame, point, axis) m.
-        of_line: the same of the nodes of the line.
+        points: (frame, point, axis) m.
+        place: the same of the nodes of the line.
     """
-    chord = of_line[:, -1:, :-1]
+    chord = (place[:, -1:] - place[:, :1])[..., :-1]
     run = np.linalg.norm(chord, axis=2)
     with np.errstate(divide="ignore", invalid="ignore"):
-        along = (away[..., :-1] * (chord / run[..., None])).sum(axis=2)
+        along = ((points - place[:, :1])[..., :-1] * (chord / run[..., None])).sum(axis=2)
     return run, along
-
-
-def _chord_height(dataset: xr.Dataset, line: str, place: Array, along: Array) -> Array | None:
-    """Height of the chords of a line at its nodes, (frame, node) m; None where it is supported at its ends only.
-
-    Inner supports hold a point of the line; over saddles it goes where it is level with their tops. A saddle that bears
-    no force in a frame supports nothing then: the chord spans it.
-
-    Args:
-        dataset: a result.
-        line: name of the line.
-        place: (frame, node, axis) m, of its nodes.
-        along: (frame, node) m, level, from its start towards its end.
-    """
-    points, tops = _supported(declared(dataset, "lines").get(line, {}))
-    if not points and not tops:
-        return None
-    touched = {saddle: _is_touched(dataset, f"{line}.{saddle}", line) for saddle in tops}
-    xi, z = dataset["xi"].values[dataset["line"].values == line], place[..., -1]
-    nodes = [int(np.abs(xi - at).argmin()) for at in points]
-    out = np.full_like(z, np.nan)
-    for f in range(len(z)):
-        chord = place[f, -1, :-1] - place[f, 0, :-1]
-        way = chord / max(float(np.linalg.norm(chord)), 1e-300)
-        here = [top for saddle, top in tops.items() if touched[saddle][f]]
-        there = [float((np.array([top[0], *top[1:-1], 0.0][: len(way)]) - place[f, 0, :-1]) @ way) for top in here]
-        inner = [(along[f, i], z[f, i]) for i in nodes]
-        inner += [(at, max(top[-1], np.interp(at, along[f], z[f]))) for at, top in zip(there, here, strict=True)]
-        ends = [(0.0, z[f, 0]), (along[f, -1], z[f, -1])]
-        knots = sorted([*ends, *((at, high) for at, high in inner if 0.0 < at < along[f, -1])])
-        out[f] = np.interp(along[f], *np.transpose(knots))
-    return out
 
 
 def _is_touched(dataset: xr.Dataset, support: str, line: str) -> NDArray[np.bool_]:
@@ -176,12 +160,3 @@ def _is_touched(dataset: xr.Dataset, support: str, line: str) -> NDArray[np.bool
     links = np.flatnonzero(dataset["link_line"].values == line)
     reaction = dataset["reaction"].isel(support=known.index(support)).values
     return is_touched(reaction, dataset["tension"].isel(link=links).values)
-
-
-def _supported(line: dict[str, Any]) -> tuple[tuple[float, ...], dict[str, tuple[float, ...]]]:
-    """Stations of inner supports of a line as declared, m, and the tops of its saddles by name, m."""
-    supports, saddles = line.get("supports") or {}, line.get("saddles") or {}
-    return (
-        tuple(float(one["at"]) for one in supports.values()),
-        {name: tuple(map(float, one["at"])) for name, one in saddles.items()},
-    )

@@ -38,9 +38,8 @@ def described(dataset: xr.Dataset) -> dict[str, Any]:
 
     cells = dataset["cell_node"].values.astype(int).tolist() if "cell_node" in dataset.variables else []
     return {
-        "axes": names("axis"), "path": path_name(dataset), "nodes": _runs_of(names("line")),
+        "axes": names("axis"), "path": path_name(dataset), "nodes": _runs_of(names("line")), "cells": cells,
         "links": _runs_of(names("link_line")), "loads": names("load"), "supports": names("support"),
-        "bodies": names("body"), "cells": cells,
     }  # fmt: skip
 
 

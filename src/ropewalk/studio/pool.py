@@ -10,6 +10,7 @@ from contextlib import suppress
 from typing import Any
 
 from ropewalk.errors import RopewalkError
+from ropewalk.studio.settings import Settings
 from ropewalk.studio.worker import main
 
 Message = str | bytes
@@ -28,13 +29,10 @@ class WorkerEnded(RopewalkError):
 class Process:
     """A worker process, and the thread that reads from it."""
 
-    def __init__(
-        self, folder: str, allow_code: bool, memory: int, processes: int, disk: int, loop: asyncio.AbstractEventLoop
-    ) -> None:
-        self._loop = loop
+    def __init__(self, settings: Settings) -> None:
+        self._loop = asyncio.get_running_loop()
         self._pipe, theirs = _CONTEXT.Pipe()
-        given = theirs, folder, allow_code, memory, processes, disk
-        self._process = _CONTEXT.Process(target=main, args=given)  # no daemon: these begin no processes of a sweep
+        self._process = _CONTEXT.Process(target=main, args=(theirs, settings))  # no daemon: these begin no sweeps
         self._process.start()
         theirs.close()
         self._number, self._sending = 0, threading.Lock()
@@ -153,23 +151,17 @@ class Pool:
     """Worker processes: one for checks, which all pages share, and one for each page that computes.
 
     Args:
-        folder, allow_code, memory, processes, disk: of the workers, see `worker.main`.
-        most: how many pages may compute.
+        settings: of the workers, and how many pages may compute.
     """
 
-    def __init__(self, folder: str, allow_code: bool, memory: int, processes: int, disk: int, most: int) -> None:
-        self._of = folder, allow_code, memory, processes, disk
-        self._most, self._idle, self._leased = most, list[Process](), list[Process]()
+    def __init__(self, settings: Settings) -> None:
+        self._settings, self._idle, self._leased = settings, list[Process](), list[Process]()
         self._checker: Process | None = None
         self._checking = asyncio.Lock()
 
     def start(self) -> None:
-        """Begin with those that the first page needs."""
-        self._checker = self._made()
-        self._idle.append(self._made())
-
-    def _made(self) -> Process:
-        return Process(*self._of, asyncio.get_running_loop())
+        """Begin with the one that the first page needs; a second one would take the same time from it."""
+        self._idle.append(Process(self._settings))
 
     async def check(self, asked: dict[str, Any], within: float) -> Message:
         """Let the worker of all pages answer.
@@ -179,7 +171,7 @@ class Pool:
         """
         async with self._checking:
             if self._checker is None or not self._checker.is_alive:
-                self._checker = self._made()
+                self._checker = Process(self._settings)
             return await self._checker.ask(asked, within=within)
 
     def lease(self) -> Process:
@@ -190,9 +182,9 @@ class Pool:
         """
         self._leased = [one for one in self._leased if one.is_alive]
         self._idle = [one for one in self._idle if one.is_alive]
-        if not self._idle and len(self._leased) >= self._most:
-            raise RopewalkError(f"{self._most} pages are computing; close one of them")
-        found = self._idle.pop() if self._idle else self._made()
+        if not self._idle and len(self._leased) >= self._settings.most:
+            raise RopewalkError(f"{self._settings.most} pages are computing; close one of them")
+        found = self._idle.pop() if self._idle else Process(self._settings)
         self._leased.append(found)
         return found
 

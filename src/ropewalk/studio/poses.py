@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -49,7 +49,6 @@ class Pose:
     layout: Layout
     xi: float  # m, where it stands on the unstrained line
     linear: Array | None  # (point, axis) m, the string of the linear theory; None where that has nothing to say
-    warnings: tuple[str, ...]
 
 
 def draggable(scenario: Scenario) -> list[str]:
@@ -72,15 +71,25 @@ def force_of(scenario: Scenario, name: str) -> tuple[float, ...]:
     return (0.0,) * (len(scenario.lines[load.on].start) - 1) + (-load.mass * scenario.gravity,)
 
 
+@dataclass(frozen=True)
+class DragSetup:
+    """What is the same for all places of a dragged load: checked once, since checks took a third of an answer."""
+
+    line: Any
+    wind: Wind | None
+    force: tuple[float, ...]  # N
+    scenario: Scenario
+    load: MovingForce
+    chord: Chord | None  # of its line, by the linear theory
+
+
 class Dragging:
     """A scenario whose loads are dragged."""
 
     def __init__(self, scenario: Scenario) -> None:
         self.scenario = scenario
-        self._line: tuple[Any, Any] = (None, None)  # what was asked of a line, and that line
-        self._chord: tuple[Any, Chord | None] = (None, None)
         self.attributes = scenario_attributes(scenario)
-        self._checked: tuple[Any, Any] = (None, None)  # what was asked but the place; that scenario and its load
+        self._kept: tuple[Asked, DragSetup] | None = None
         self._last: tuple[float, float, float] | None = None  # xi, x where that led, and dx/dxi
 
     def posed(self, asked: Asked) -> Pose:
@@ -89,33 +98,25 @@ class Dragging:
         Raises:
             RopewalkError: there is none, or what is asked cannot be.
         """
-        if asked.load not in draggable(self.scenario):
-            raise RopewalkError(f"load {asked.load}: forces and masses on lines can be dragged, nothing else")
-        on = self.scenario.loads[asked.load].on
-        line = self._line_of(on, asked.line)
-        first, last = line.start[0], line.end[0]
+        setup = self._setup_of(asked)
+        first, last = setup.line.start[0], setup.line.end[0]
         low, high = sorted((first + _EDGE * (last - first), last - _EDGE * (last - first)))
         x = min(max(asked.x, low), high)
-        length = line.length if line.length is not None else line.distance
-        ratio = length / (last - first)
-        tried, xi = 0, (x - first) * ratio
-        if self._last is not None:
-            xi = self._last[0] + (x - self._last[1]) / self._last[2]
-        before: tuple[float, float] | None = None
-        while True:
+        length = setup.line.distance if setup.line.length is None else setup.line.length
+        mean = (last - first) / length
+        before = self._last or (0.0, first, mean)
+        for _ in range(_TRIES):
+            xi = before[0] + (x - before[1]) / before[2]
             xi = min(max(xi, _EDGE * length), (1.0 - _EDGE) * length)
-            frame, layout, run_info = self._at(asked, on, line, xi)
-            tried, found = tried + 1, float(frame.contact_position[self._contact(layout, asked.load), 0])
-            slope = 1.0 / ratio
-            if before is not None and abs(xi - before[0]) > 1e-12 * length:
-                slope = (found - before[1]) / (xi - before[0])
-            if slope * ratio < 0.05:  # a load that turns back: the chain rule helps no further
-                slope = 1.0 / ratio
-            self._last = (xi, found, slope)
-            if abs(found - x) <= _NEAR * abs(last - first) or tried == _TRIES:
+            frame, layout = _equilibrium(setup, asked.load, xi)
+            found = float(frame.contact_position[layout.contact_load.index(asked.load), 0])
+            moved = xi - before[0]
+            slope = (found - before[1]) / moved if abs(moved) > 1e-6 * length else mean
+            # Of a load that turns back the chain rule helps no further.
+            before = self._last = xi, found, slope if slope / mean > 0.05 else mean
+            if abs(found - x) <= _NEAR * abs(last - first):
                 break
-            before, xi = (xi, found), xi + (x - found) / slope
-        return Pose(frame, layout, xi, self._linear_shape(asked, on, line, found), tuple(run_info.warnings))
+        return Pose(frame, layout, xi, _linear_shape(setup, self.scenario.gravity, found))
 
     def released(self, asked: Asked, xi: float, until: float = 6.0) -> Scenario:
         """The motion that begins when the load is let go where it was dragged to: it slides along its line as a mass.
@@ -123,101 +124,86 @@ class Dragging:
         Raises:
             RopewalkError: without gravity nothing falls, or its force is no weight.
         """
-        force = self._force(asked)
-        gravity = self.scenario.gravity
-        if gravity <= 0.0 or not force[-1] < 0.0 or any(force[:-1]):
+        setup, gravity = self._setup_of(asked), self.scenario.gravity
+        if gravity <= 0.0 or not setup.force[-1] < 0.0 or any(setup.force[:-1]):
             raise RopewalkError("only a load with a vertical force can be released")
         on = self.scenario.loads[asked.load].on
-        line = self._line_of(on, asked.line)
-        mass = {"kind": "mass", "on": on, "mass": -force[-1] / gravity, "travel": {"kind": "free", "from": xi}}
+        mass = {"kind": "mass", "on": on, "mass": -setup.force[-1] / gravity, "travel": {"kind": "free", "from": xi}}
         run = Dynamic(until=until, every=1.0 / 60.0, start={"with_loads": True})
-        loads = {asked.load: mass}
-        wind = self._wind(asked, line)
         return Scenario(
-            title=f"{self.scenario.title}, released"[:200], gravity=gravity, lines={on: _felt(line, wind)}, loads=loads,
-            wind=wind, run=run,
+            title=f"{self.scenario.title}, released"[:200], gravity=gravity,
+            lines={on: _felt(setup.line, setup.wind)}, loads={asked.load: mass}, wind=setup.wind, run=run,
         )  # fmt: skip
 
-    def _force(self, asked: Asked) -> tuple[float, ...]:
-        given = force_of(self.scenario, asked.load)
-        return given if asked.weight is None else (*given[:-1], -asked.weight)
+    def _setup_of(self, asked: Asked) -> DragSetup:
+        """Return what holds for all places of the load; the dragged load is a force on its line.
 
-    def _wind(self, asked: Asked, line: Any) -> Wind | None:
-        if asked.wind is None:
-            return self.scenario.wind
-        direction = (1.0, 0.0) if len(line.start) == 2 else (0.0, 1.0, 0.0)
-        return Wind(direction=direction, speed=asked.wind) if asked.wind else None
-
-    def _line_of(self, on: str, changes: Mapping[str, Any]) -> Any:
-        key = on, repr(sorted(changes.items()))
-        if self._line[0] != key:
-            line = self.scenario.lines[on]
-            if unknown := set(changes) - set(KEYS):
-                raise RopewalkError(f"line {on}: {', '.join(sorted(unknown))} cannot be changed by hand")
-            given = {**line.model_dump(by_alias=True, exclude_unset=True), **changes}
-            self._line, self._last = (key, type(line).model_validate(given) if changes else line), None
-        return self._line[1]
-
-    def _at(self, asked: Asked, on: str, line: Any, xi: float) -> tuple[Frame, Layout, RunInfo]:
-        scenario, load = self._still(asked, on, line)
-        travel = load.travel.model_copy(update={"start": xi})
-        moved = {**scenario.loads, asked.load: load.model_copy(update={"travel": travel})}
-        scenario = scenario.model_copy(update={"loads": moved})
-        run_info = RunInfo()
-        run = run_of(scenario, run_info)
-        return next(iter(run.blocks()))[0], run.layout, run_info
-
-    def _still(self, asked: Asked, on: str, line: Any) -> tuple[Scenario, MovingForce]:
-        """The dragged load as a force on its line, checked once for all places: checks took a third of an answer."""
-        key = asked.load, asked.contact, self._force(asked), asked.wind, repr(line)
-        if self._checked[0] != key:
-            contact: Any = asked.contact
-            travel = Travel.model_validate({"speed": 1.0, "measured": "material", "from": 0.5 * line.distance})
-            load = MovingForce(on=on, force=self._force(asked), contact=contact, travel=travel)
-            wind = self._wind(asked, line)
-            scenario = Scenario(
-                gravity=self.scenario.gravity,
-                lines={name: _felt(one, wind) for name, one in {**self.scenario.lines, on: line}.items()},
-                loads={**self.scenario.loads, asked.load: load}, joints=self.scenario.joints, wind=wind,
-                run=Equilibrium(),
-            )  # fmt: skip
-            self._checked = key, (scenario, load)
-        found: tuple[Scenario, MovingForce] = self._checked[1]
-        return found
-
-    @staticmethod
-    def _contact(layout: Layout, load: str) -> int:
-        return layout.contact_load.index(load)
-
-    def _linear_shape(self, asked: Asked, on: str, line: Any, x: float) -> Array | None:
-        """The string of the linear theory under its weight and the force, with its tension at rest without it.
-
-        A force F at a on a string of span L under the tension T deflects it by F min(x, a) (L - max(x, a)) / (T L).
+        Raises:
+            RopewalkError: the load cannot be dragged, or a key of its line not be changed by hand.
         """
-        key = on, repr(line)
-        if self._chord[0] != key:
-            self._chord = key, self._chord_of(on, line)
-        chord = self._chord[1]
-        if chord is None:
-            return None
-        along: Array = np.linspace(0.0, chord.length, LINEAR_POINTS)
-        gravity = np.zeros(chord.start.size)
-        gravity[-1] = -self.scenario.gravity
-        a = (x - chord.start[0]) / chord.along[0]
-        along = np.sort(np.append(along[:-1], (a, chord.length)))
-        influence = np.minimum(along, a) * (chord.length - np.maximum(along, a)) / (chord.tension * chord.length)
-        push = chord.across @ np.array(self._force(asked))
-        return np.asarray(chord.point(along, gravity) + np.outer(influence, push @ chord.across))
+        same, own = replace(asked, x=0.0), self.scenario
+        if self._kept is not None and self._kept[0] == same:
+            return self._kept[1]
+        if asked.load not in draggable(own):
+            raise RopewalkError(f"load {asked.load}: forces and masses on lines can be dragged, nothing else")
+        on = own.loads[asked.load].on
+        line: Any = own.lines[on]
+        if unknown := set(asked.line) - set(KEYS):
+            raise RopewalkError(f"line {on}: {', '.join(sorted(unknown))} cannot be changed by hand")
+        if asked.line:
+            line = type(line).model_validate({**line.model_dump(by_alias=True, exclude_unset=True), **asked.line})
+        force = force_of(own, asked.load)
+        force = force if asked.weight is None else (*force[:-1], -asked.weight)
+        wind = own.wind
+        if asked.wind is not None:
+            direction = (1.0, 0.0) if len(line.start) == 2 else (0.0, 1.0, 0.0)
+            wind = Wind(direction=direction, speed=asked.wind) if asked.wind else None
+        contact: Any = asked.contact
+        travel = Travel.model_validate({"speed": 1.0, "measured": "material", "from": 0.5 * line.distance})
+        load = MovingForce(on=on, force=force, contact=contact, travel=travel)
+        lines = {name: _felt(one, wind) for name, one in {**own.lines, on: line}.items()}
+        scenario = Scenario(
+            gravity=own.gravity, lines=lines, loads={**own.loads, asked.load: load}, joints=own.joints, wind=wind,
+            run=Equilibrium(),
+        )  # fmt: skip
+        setup = DragSetup(line, wind, force, scenario, load, _chord_of(on, line, own.gravity))
+        self._kept, self._last = (same, setup), None
+        return setup
 
-    def _chord_of(self, on: str, line: Any) -> Chord | None:
-        # Its supports may be joints: then it has no chord.
-        lone = Scenario(gravity=self.scenario.gravity, lines={on: _felt(line, None)}, run=Equilibrium())
-        if line.bending_stiffness or lone.is_network:
-            return None
-        try:
-            return chords(setting_of(lone, 0.0), lone, RunInfo())[0]
-        except RopewalkError:
-            return None
+
+def _equilibrium(setup: DragSetup, name: str, xi: float) -> tuple[Frame, Layout]:
+    """Return the equilibrium with the load at a place of its unstrained line."""
+    load = setup.load.model_copy(update={"travel": setup.load.travel.model_copy(update={"start": xi})})
+    scenario = setup.scenario.model_copy(update={"loads": {**setup.scenario.loads, name: load}})
+    run = run_of(scenario, RunInfo())
+    return next(iter(run.blocks()))[0], run.layout
+
+
+def _linear_shape(setup: DragSetup, gravity: float, x: float) -> Array | None:
+    """The string of the linear theory under its weight and the force, with its tension at rest without it.
+
+    A force F at a on a string of span L under the tension T deflects it by F min(x, a) (L - max(x, a)) / (T L).
+    """
+    chord = setup.chord
+    if chord is None:
+        return None
+    a = (x - chord.start[0]) / chord.along[0]
+    along: Array = np.sort(np.append(np.linspace(0.0, chord.length, LINEAR_POINTS), a))
+    influence = np.minimum(along, a) * (chord.length - np.maximum(along, a)) / (chord.tension * chord.length)
+    push = chord.across @ np.array(setup.force)
+    down = np.append(np.zeros(chord.start.size - 1), -gravity)
+    return np.asarray(chord.point(along, down) + np.outer(influence, push @ chord.across))
+
+
+def _chord_of(on: str, line: Any, gravity: float) -> Chord | None:
+    """Return the chord of a line alone; None where it has none, as between joints."""
+    lone = Scenario(gravity=gravity, lines={on: _felt(line, None)}, run=Equilibrium())
+    if line.bending_stiffness or lone.is_network:
+        return None
+    try:
+        return chords(setting_of(lone, 0.0), lone, RunInfo())[0]
+    except RopewalkError:
+        return None
 
 
 def _felt(line: Any, wind: Wind | None) -> Any:

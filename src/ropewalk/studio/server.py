@@ -6,14 +6,12 @@ import asyncio
 import json
 from collections.abc import AsyncIterator, Coroutine
 from contextlib import asynccontextmanager, suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from starlette.applications import Starlette
-from starlette.exceptions import HTTPException
 from starlette.requests import Request
-from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket, WebSocketDisconnect
@@ -26,9 +24,9 @@ from ropewalk.studio.guard import Guard
 from ropewalk.studio.lesson import lessons
 from ropewalk.studio.pool import Message, Pool
 from ropewalk.studio.session import LONG, Session, Sessions
+from ropewalk.studio.settings import Settings
 from ropewalk.studio.share import PAGE
 from ropewalk.studio.templates import templates
-from ropewalk.sweeps.pool import cores
 
 CHECK_SECONDS = 20.0
 _LARGEST_NUMBER = 2**53  # of a question, which a page counts
@@ -37,20 +35,6 @@ _COMPUTED = (*LONG, "prepare", "pose", "result", "lesson", "case", "resume")  # 
 _KINDS = {"page": "text/html", "report": "text/html", "png": "image/png", "svg": "image/svg+xml",
           "pdf": "application/pdf", "csv": "text/csv", "zip": "application/zip", "gif": "image/gif", "mp4": "video/mp4",
           "xlsx": "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"}  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Settings:
-    """How the studio was opened."""
-
-    folder: Path
-    file: str = ""  # of the scenario or result to begin with
-    allow_code: bool = False
-    memory: int = 4_000_000_000  # bytes of data of each worker; 0: no limit
-    most: int = 4  # pages that compute at the same time
-    seconds: float = 3600.0  # of the longest run
-    workers: int | None = None  # processes of a sweep; None: one for each core
-    disk: int = 20_000_000_000  # bytes of scenarios and results in the folder; 0: no limit
 
 
 class Studio:
@@ -65,30 +49,23 @@ class Studio:
         self.settings, self.token = settings, token
         self.folder = Folder(settings.folder)
         self.pages = 0  # that are open
-        processes = cores() if settings.workers is None else settings.workers
-        self.pool = Pool(
-            str(self.folder.path), settings.allow_code, settings.memory, processes, settings.disk, settings.most
-        )
+        self.pool = Pool(settings)
         self.sessions = Sessions(self.pool, settings.seconds)
 
     def app(self) -> Guard:
         """The application, behind its token."""
         routes = [
-            Route("/", self._index), Route("/export", self._export), WebSocketRoute("/socket", self._socket),
-            Mount("/assets", _Assets(directory=PAGE / "assets", check_dir=False)),
+            Route("/export", self._export), WebSocketRoute("/socket", self._socket),
+            Mount("/", StaticFiles(directory=PAGE, html=True, check_dir=False)),
         ]  # fmt: skip
-        return Guard(Starlette(routes=routes, lifespan=self._lifespan), self.token)
+        handlers = {RuntimeError: _not_built}
+        return Guard(Starlette(routes=routes, lifespan=self._lifespan, exception_handlers=handlers), self.token)
 
     @asynccontextmanager
     async def _lifespan(self, _: Starlette) -> AsyncIterator[None]:
         self.pool.start()
         yield
         await self.pool.close()
-
-    async def _index(self, _: Request) -> Response:
-        if not (PAGE / "index.html").is_file():
-            return PlainTextResponse("the page of the studio is not built: make studio", 503)
-        return FileResponse(PAGE / "index.html")
 
     async def _export(self, request: Request) -> Response:
         """A result as a file: /export?name=NAME.nc&as=page|report|png|svg|pdf|csv|zip|xlsx|gif|mp4."""
@@ -128,13 +105,9 @@ class Studio:
             self.pages -= 1
 
 
-class _Assets(StaticFiles):
-    """Files of the page, which may not be built yet."""
-
-    async def check_config(self) -> None:
-        if not (PAGE / "assets").is_dir():
-            raise HTTPException(404)
-        await super().check_config()
+def _not_built(_: Request, __: Exception) -> Response:
+    """Answer for the folder of the page where there is none."""
+    return PlainTextResponse("the page of the studio is not built: make studio", 503)
 
 
 class PageConnection:

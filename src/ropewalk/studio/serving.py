@@ -11,7 +11,8 @@ import webbrowser
 import uvicorn
 
 from ropewalk.cli.console import fail, say
-from ropewalk.studio.server import Settings, Studio
+from ropewalk.studio.server import Studio
+from ropewalk.studio.settings import Settings
 from ropewalk.studio.share import PAGE
 
 __all__ = ["Settings", "serve"]

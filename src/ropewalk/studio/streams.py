@@ -41,14 +41,6 @@ def remark_of(doubt: str) -> dict[str, Any]:
     return {"text": doubt, "time": float(instant[1]) if instant else None, "key": Doubt.key_in(doubt)}
 
 
-def state_of_run(run_info: RunInfo) -> dict[str, Any]:
-    """How a run goes."""
-    return {
-        "outcome": run_info.outcome, "advice": run_info.advice, "method": run_info.method, "reason": run_info.reason,
-        "doubts": [remark_of(str(doubt)) for doubt in run_info.doubts], "warnings": list(run_info.warnings),
-    }  # fmt: skip
-
-
 class Streamed:
     """Sends the frames of a run as they come.
 
@@ -75,8 +67,9 @@ class Streamed:
             self._send(_opening(self._picture, block, self._total, self._step, self._head))
         first = -self._seen % self._step
         self._seen += len(frames)
-        run = {"run": state_of_run(run_info)}
-        self._send(_frames(self._picture, block, slice(first, None, self._step), {**self._head, **run}))
+        doubts = [remark_of(str(doubt)) for doubt in run_info.doubts]
+        head = {**self._head, "run": {"doubts": doubts, "warnings": list(run_info.warnings)}}
+        self._send(_frames(self._picture, block, slice(first, None, self._step), head))
 
 
 def of_result(dataset: xr.Dataset, head: dict[str, Any]) -> Iterator[bytes]:
@@ -105,8 +98,7 @@ def of_pose(pose: Pose, attributes: Mapping[str, Any], head: dict[str, Any]) -> 
     """
     frames = Frames.together([pose.frame])
     block = of_frames(pose.layout, frames.path, frames.of, attributes)
-    linear = {} if pose.linear is None else {"ghost": pose.linear}
-    return of_frame(block, {**head, "xi": pose.xi, "warnings": pose.warnings}, **linear)
+    return of_frame(block, head, **({} if pose.linear is None else {"ghost": pose.linear}))
 
 
 def of_frame(block: xr.Dataset, head: dict[str, Any], **more: Array) -> bytes:

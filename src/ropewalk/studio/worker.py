@@ -6,6 +6,7 @@ Everything that reads a scenario of somebody does it here, with a limit on memor
 from __future__ import annotations
 
 import contextlib
+import importlib
 import json
 import multiprocessing
 import os
@@ -22,6 +23,7 @@ from typing import TYPE_CHECKING, Any
 
 from ropewalk.permission import STUDIO, forbid_code
 from ropewalk.studio.folder import RESULTS, Folder, check_inside
+from ropewalk.studio.settings import Settings
 
 if TYPE_CHECKING:
     from ropewalk.model.scenario import Scenario
@@ -29,33 +31,32 @@ if TYPE_CHECKING:
 
 MOST_NODES = 50_000  # of a scenario in the studio
 _FAREWELL = 1.0  # s, from the end of the server
+EARLY = ("ropewalk.studio.streams", "xarray", "netCDF4", "ropewalk.studio.lesson", "ropewalk.studio.poses")
 ACKNOWLEDGED = -1  # ticket of the message that a stop has been heard
 Answer = dict[str, Any]
 
 
-def main(pipe: Connection, folder: str, allow_code: bool, memory: int, processes: int, disk: int) -> None:
+def main(pipe: Connection, settings: Settings) -> None:
     """Serve until the pipe ends.
 
     Args:
         pipe: questions come from it as dictionaries; (id, last, message) goes back.
-        folder: where files may be read and written.
-        allow_code: whether scenarios may run code of their own.
-        memory: most bytes of data of this process, and of each that it begins.
-        processes: of a sweep; 0: this one.
-        disk: most bytes of scenarios and results in the folder; 0: no limit.
+        settings: where files are, and limits of this process and of each that it begins.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which tells us
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small problems, and other pages want the other cores
+    folder = settings.folder.resolve()
     os.chdir(folder)
-    if not allow_code:
+    if not settings.allow_code:
         forbid_code(STUDIO)
-    if memory:
-        _bound("RLIMIT_DATA", memory, is_final=True)
+    if settings.memory:
+        _bound("RLIMIT_DATA", settings.memory, is_final=True)
     if (server := multiprocessing.parent_process()) is not None:
         threading.Thread(target=_leave_with, args=(server,), daemon=True).start()
-    import ropewalk.studio.streams  # noqa: F401  (while the first page is loaded)
-
-    worker = ComputingProcess(pipe, Path(folder), allow_code, processes, disk)
+    for name in EARLY:  # while the first page is loaded
+        if not pipe.poll():
+            importlib.import_module(name)
+    worker = ComputingProcess(pipe, folder, settings.allow_code, settings.workers, settings.disk)
     with contextlib.suppress(EOFError, OSError, KeyboardInterrupt):
         while True:
             worker.serve()
@@ -82,7 +83,7 @@ def _leave_with(server: Any) -> None:
 class ComputingProcess:
     """What answers questions."""
 
-    def __init__(self, pipe: Connection, folder: Path, allow_code: bool, processes: int, disk: int = 0) -> None:
+    def __init__(self, pipe: Connection, folder: Path, allow_code: bool, processes: int | None, disk: int = 0) -> None:
         self._pipe, self._folder, self._allow_code, self._processes = pipe, folder, allow_code, processes
         self._disk = disk
         self._dragging: Dragging | None = None
@@ -115,6 +116,10 @@ class ComputingProcess:
         except Exception as error:
             found = {"error": f"ropewalk failed ({type(error).__name__}: {error}); this is a fault of ropewalk"}
         self._send(ticket, True, found if isinstance(found, bytes) else {"id": number, **found})
+
+    def _say(self, message: Answer | bytes) -> None:
+        """Send something before the answer to the question."""
+        self._send(self._now[0], False, message if isinstance(message, bytes) else {"id": self._now[1], **message})
 
     def _send(self, ticket: int, last: bool, message: Answer | bytes | str) -> None:
         if not isinstance(message, bytes):
@@ -151,9 +156,8 @@ class ComputingProcess:
 
     def _do_check(self, asked: Answer) -> Answer:
         """Every mistake in a text."""
-        scenario = self._scenario(asked)
-        names = [*scenario.lines, *scenario.overhead_lines, *scenario.nets, *scenario.loads]
-        return {"problems": [], "title": scenario.title, "names": names, "kind": scenario.run.kind}
+        self._scenario(asked)
+        return {"problems": []}
 
     def _do_prepare(self, asked: Answer) -> Answer | bytes:
         """A scenario made ready for dragging, with what can be changed by hand; a picture where nothing can be."""
@@ -200,9 +204,8 @@ class ComputingProcess:
 
     def _bound_disk(self) -> None:
         """Bound the files that are written from now on to what is left of the disk, or refuse to begin."""
-        if not self._disk:
-            return
-        _bound("RLIMIT_FSIZE", Folder(self._folder).bytes_left(self._disk))
+        if self._disk:
+            _bound("RLIMIT_FSIZE", Folder(self._folder).bytes_left(self._disk))
 
     def _do_run(self, asked: Answer) -> Answer:
         """A run as `ropewalk run` does it: its result is written while it goes on, unless it is not to be kept."""
@@ -227,15 +230,13 @@ class ComputingProcess:
         from ropewalk.simulate import must_compile, output_times, simulate
         from ropewalk.studio.streams import Streamed, stored
 
-        number, ticket, run = asked["id"], asked["ticket"], scenario.run
-        how_long = must_compile(scenario)
+        run, how_long = scenario.run, must_compile(scenario)
         state = f"preparing, first run only ({how_long})" if how_long else "setting up"
-        self._send(ticket, False, {"id": number, "event": "state", "state": state})
+        self._say({"event": "state", "state": state})
         total = run.positions if isinstance(run, Quasistatic) else 1
         if isinstance(run, Dynamic | Linear):
             total = int(output_times(run).size)
-        about = scenario_attributes(scenario)
-        send = Streamed(lambda message: self._send(ticket, False, message), {"id": number}, total, about)
+        send = Streamed(self._say, {"id": asked["id"]}, total, scenario_attributes(scenario))
         overwrite = bool(asked.get("overwrite"))
         dataset = simulate(scenario, file=file, overwrite=overwrite, progress=self._stop_if_asked, seen=send)
         with dataset:
@@ -250,25 +251,28 @@ class ComputingProcess:
                 raise KeyboardInterrupt from None
             if asked["do"] == "stop":
                 self._send(ACKNOWLEDGED, False, {})
-                self._send(self._now[0], False, {"id": self._now[1], "event": "stopped"})
+                self._say({"event": "stopped"})
                 raise KeyboardInterrupt
             self._waiting.append(asked)
 
     def _do_result(self, asked: Answer) -> Answer:
         """A result that is there, as if it had just been computed; of a sweep, its cases."""
-        from ropewalk.results import open_result
+        from ropewalk.results import ResultError, open_result
         from ropewalk.studio.streams import of_result, stored
-        from ropewalk.sweeps.writing import read
 
-        file, number = self._result(str(asked["name"])), asked["id"]
-        if (many := read(file)) is not None:
+        file = self._result(str(asked["name"]))
+        try:
+            dataset = open_result(file)
+        except ResultError:
             from ropewalk.studio.sweeps import described
+            from ropewalk.sweeps.writing import read
 
+            if (many := read(file)) is None:
+                raise
             return {"file": file.name, "sweep": described(many)}
-        ticket = asked["ticket"]
-        with open_result(file) as dataset:
-            for message in of_result(dataset, {"id": number}):
-                self._send(ticket, False, message)
+        with dataset:
+            for message in of_result(dataset, {"id": asked["id"]}):
+                self._say(message)
             return {"file": file.name, **stored(dataset)}
 
     def _do_lesson(self, asked: Answer) -> Answer:
@@ -278,7 +282,7 @@ class ComputingProcess:
 
         dataset, ended = kept_result(str(asked["name"]))
         for message in of_result(dataset, {"id": asked["id"]}):
-            self._send(asked["ticket"], False, message)
+            self._say(message)
         return {"file": None, **ended}
 
     def _do_sweep(self, asked: Answer) -> Answer:
@@ -298,7 +302,7 @@ class ComputingProcess:
         checked_plan(scenario, wished(scenario, None), self._allow, self._folder)
 
         def progress(done: int, total: int) -> None:
-            self._send(asked["ticket"], False, {"id": asked["id"], "event": "cases", "done": done, "total": total})
+            self._say({"event": "cases", "done": done, "total": total})
             self._stop_if_asked(0.0)
 
         found = sweep(scenario, store=store, workers=self._processes, progress=progress)
@@ -312,7 +316,7 @@ class ComputingProcess:
         from ropewalk.compare import model_hierarchy
 
         def progress(model: str, done: float) -> None:
-            self._send(asked["ticket"], False, {"id": asked["id"], "event": "model", "model": model, "done": done})
+            self._say({"event": "model", "model": model, "done": done})
             self._stop_if_asked(done)
 
         found, picture = model_hierarchy(self._scenario(asked), progress=progress), io.StringIO()
