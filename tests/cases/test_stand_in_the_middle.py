@@ -163,3 +163,11 @@ def test_starts_along_the_line_that_lie_elsewhere_in_x_are_named(
     line: dict[str, Any], start: float, named: bool
 ) -> None:
     assert (WARNING in stands(line, travels(start, "force")).warnings) == named
+
+
+def test_a_model_that_says_itself_where_it_is_has_no_start_to_ask_about() -> None:
+    """It begins at 12 m by an option of its own."""
+    options = {"start": 12.0, "speed": 0.0}
+    own = {"kind": "stepper", "on": "s", "model": "external_cases:Sprung", "every": 0.01, "options": options}
+    result = simulate(Scenario.model_validate({"lines": {"s": WEB}, "loads": {"own": own}, "run": MOVES}))
+    assert WARNING not in result.warnings

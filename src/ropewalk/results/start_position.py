@@ -38,6 +38,7 @@ class StartPositionWatch(Watch):
                 or position_in_x(load) is not None
                 or (load.kind == "trolley" and load.also_on)
                 or not load.starts()
+                or "start" not in travel.model_fields_set  # a model of its own says where it is
             ):
                 continue
             measured, start = load.starts()[0].measured, float(getattr(travel, "start", math.nan))
