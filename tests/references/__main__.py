@@ -1,9 +1,9 @@
 """References by one command: `make references` compares this state of the program with them.
 
-    python -m references                     compare all cases (in tests/)
-    python -m references record --shards 16  record what the shard files lack, one shard after another
-    python -m references merge               write the reference file from the shard files
-    python -m references planted             count the cases that detect each planted change
+python -m references                     compare all cases (in tests/)
+python -m references record --shards 16  record what the shard files lack, one shard after another
+python -m references merge               write the reference file from the shard files
+python -m references planted             count the cases that detect each planted change
 """
 
 from __future__ import annotations

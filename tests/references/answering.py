@@ -34,7 +34,9 @@ def answer(tree: Tree, tool: str = "run", options: Tree | None = None) -> Observ
         found = Observation("stopped", 3, str(error))
     except Exception as error:
         where = traceback.extract_tb(error.__traceback__)[-1]
-        found = Observation("crashed", 1, f"{type(error).__name__}: {error} ({Path(where.filename).name}:{where.lineno})")
+        found = Observation(
+            "crashed", 1, f"{type(error).__name__}: {error} ({Path(where.filename).name}:{where.lineno})"
+        )
     found.cpu = time.process_time() - begin
     return found
 

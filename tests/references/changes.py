@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from typing import Any
 
 from conformance.structures import Tree
@@ -21,17 +20,12 @@ PLANTED: dict[str, tuple[tuple[str, ...], float]] = {
 }
 """Keys of a scenario and the factor by which their numbers are multiplied."""
 
-DEFAULTS = {"overhead wire": ("contact_wire", "messenger_wire")}
-
 
 def half(tree: Tree) -> Tree | None:
     """Return a scenario with half the elements; None if it has no mesh that can be halved."""
     found = dict(tree)
     found["lines"] = {name: _halved(line, "elements") for name, line in tree.get("lines", {}).items()}
-    found["overhead_lines"] = {
-        name: {**line, "element": 2.0 * float(line["element"])} if isinstance(line.get("element"), int | float) else line
-        for name, line in tree.get("overhead_lines", {}).items()
-    }  # fmt: skip
+    found["overhead_lines"] = {name: _doubled(line, "element") for name, line in tree.get("overhead_lines", {}).items()}
     found["nets"] = {name: _halved_net(net) for name, net in tree.get("nets", {}).items()}
     found = {key: value for key, value in found.items() if value or key in tree}
     return None if found == tree else found
@@ -42,10 +36,14 @@ def _halved(block: Tree, key: str) -> Tree:
     return {**block, key: max((count + 1) // 2, OF_BEAMS)} if isinstance(count, int) and count > OF_BEAMS else block
 
 
+def _doubled(block: Tree, key: str) -> Tree:
+    return {**block, key: 2.0 * block[key]} if isinstance(block.get(key), int | float) else block
+
+
 def _halved_net(net: Tree) -> Tree:
     if isinstance(net.get("cells"), list):
         return {**net, "cells": [max((n + 1) // 2, 2) for n in net["cells"]]}
-    return {**net, "spacing": 2.0 * net["spacing"]} if isinstance(net.get("spacing"), int | float) else net
+    return _doubled(net, "spacing")
 
 
 def planted(scenario: Scenario, change: str) -> Tree | None:
@@ -77,6 +75,3 @@ def planted(scenario: Scenario, change: str) -> Tree | None:
 
     tree = walk(json.loads(scenario_text(scenario)), "")
     return tree if count else None
-
-
-Change = Callable[[Tree], Tree | None]

@@ -31,8 +31,10 @@ NAMES = (
     "sheave", "corner", "direction",
 )  # fmt: skip
 """Coordinates whose values do not depend on the mesh."""
-UNSTABLE = frozenset({"xi", "x", "y", "z", "time", "load_path", "steps", "step", "frames", "cpu_seconds",
-                      "wall_seconds", "compile_seconds", "imbalance", "largest_imbalance", "mesh", "method"})  # fmt: skip
+UNSTABLE = frozenset({
+    "xi", "x", "y", "z", "time", "load_path", "steps", "step", "frames", "cpu_seconds", "wall_seconds",
+    "compile_seconds", "imbalance", "largest_imbalance", "mesh", "method",
+})  # fmt: skip
 """Entries of a summary whose values are not compared: places and instants of extremes, and the effort."""
 
 
@@ -140,7 +142,7 @@ def _of_lines(result: xr.Dataset, frames: NDArray[np.int_]) -> Iterator[tuple[st
     position, owner = result["position"].values[frames], result["line"].values
     tension, link_owner = result["tension"].values[frames], result["link_line"].values
     nets = set(result["cell_net"].values.tolist()) if "cell_net" in result else set()
-    names = [name for name in dict.fromkeys(owner.tolist())]
+    names = list(dict.fromkeys(owner.tolist()))
     for name in (names[k] for k in some(len(names))):
         here, links = np.flatnonzero(owner == name), np.flatnonzero(link_owner == name)
         axes = result["axis"].values.tolist()

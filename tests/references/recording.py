@@ -6,6 +6,8 @@ ignored and computed again.
 
 from __future__ import annotations
 
+import contextlib
+import importlib
 import multiprocessing as mp
 import os
 import pickle
@@ -89,10 +91,8 @@ class Worker:
 
 def _serve(pipe: Connection, folder: Path) -> None:
     os.chdir(folder)
-    try:
-        import pythonfmu  # noqa: F401 - before FMUs that ropewalk wrote bring their own
-    except ImportError:
-        pass
+    with contextlib.suppress(ImportError):
+        importlib.import_module("pythonfmu")  # before FMUs that ropewalk wrote bring their own
     while True:
         try:
             case, halved = pipe.recv()
