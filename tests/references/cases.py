@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -83,11 +83,15 @@ def _merged(base: Any, changes: Any) -> Any:
     return {key: value for key, value in found.items() if value is not None}
 
 
-def selected(every: Iterable[ReferenceCase], only: Iterable[str], shard: str) -> list[ReferenceCase]:
-    """Return the cases whose name contains one of the texts and that belong to a shard "i/n" (counted from 0)."""
+def selected(
+    every: Iterable[ReferenceCase], only: Collection[str], without: Collection[str], shard: str
+) -> list[ReferenceCase]:
+    """Return the cases of a shard "i/n" (from 0) by texts of which their names contain one of the first, and none of
+    the others.
+    """
     k, n = (int(part) for part in shard.split("/"))
-    parts = list(only)
     return [
         case for case in every
-        if case.shard % n == k and (not parts or any(part in case.name for part in parts))
+        if case.shard % n == k and (not only or any(part in case.name for part in only))
+        and not any(part in case.name for part in without)
     ]  # fmt: skip

@@ -10,7 +10,9 @@ from ropewalk.model.mesh import OF_BEAMS
 from ropewalk.model.scenario import Scenario
 from ropewalk.results.contract import scenario_text
 
+CONTROL = "nothing"
 PLANTED: dict[str, tuple[tuple[str, ...], float]] = {
+    CONTROL: (("axial_stiffness",), 1.0),
     "EA": (("axial_stiffness",), 1.02),
     "EI": (("bending_stiffness",), 1.02),
     "damping": (("damping", "axial_damping", "drag", "retardation"), 1.2),
@@ -18,7 +20,7 @@ PLANTED: dict[str, tuple[tuple[str, ...], float]] = {
     "contact_stiffness": (("contact_stiffness",), 1.2),
     "dropper stiffness": (("droppers.stiffness",), 1.2),
 }
-"""Keys of a scenario and the factor by which their numbers are multiplied."""
+"""Keys of a scenario and the factor by which their numbers are multiplied; the control must not be detected."""
 
 
 def half(tree: Tree) -> Tree | None:

@@ -29,7 +29,7 @@ from .cases import ReferenceCase
 from .changes import half
 from .observing import Observation
 
-PATIENCE = 300.0  # s for a case, after which it counts as crashed
+PATIENCE = 3600.0  # s for a case, after which it counts as crashed
 SELDOM = 100  # cases between two lines of progress
 
 
