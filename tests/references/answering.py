@@ -17,8 +17,8 @@ from conformance.working import read_scenario
 from .observing import Observation, add, add_plain, exit_code, rank
 
 
-def answer(tree: Tree, tool: str = "run", options: Tree | None = None) -> Observation:
-    """Run a tool on a scenario and observe its answer; errors become outcomes."""
+def answer(tree: Callable[[], Tree], tool: str = "run", options: Tree | None = None) -> Observation:
+    """Run a tool on the scenario that a function returns, and observe its answer; errors become outcomes."""
     from ropewalk.errors import RopewalkError, ScenarioError
 
     begin = time.process_time()
@@ -26,7 +26,7 @@ def answer(tree: Tree, tool: str = "run", options: Tree | None = None) -> Observ
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            TOOLS[tool](tree, options or {}, found)
+            TOOLS[tool](tree(), options or {}, found)
     except ScenarioError as error:
         note = "\n".join(f"{problem.key}: {problem.wrong}" for problem in error.problems)
         found = Observation("refused", 2, note)
@@ -78,7 +78,6 @@ def _compare(tree: Tree, options: Tree, found: Observation) -> None:
 
 
 def _adequacy(tree: Tree, options: Tree, found: Observation) -> None:
-    """Two points instead of the four of the matrix: each takes a hierarchy of models."""
     from ropewalk.compare.adequacy import adequacy
     from ropewalk.compare.axes import Axis
 
@@ -86,9 +85,8 @@ def _adequacy(tree: Tree, options: Tree, found: Observation) -> None:
     speed = load["travel"]["speed"]
     size = "loads.load.mass" if load["kind"] == "mass" else "run.until"
     base = load["mass"] if load["kind"] == "mass" else tree["run"]["until"]
-    answer = adequacy(
-        read_scenario(tree), Axis("loads.load.travel.speed", (0.5 * speed, speed)), Axis(size, (base,)), workers=1
-    )
+    axes = Axis("loads.load.travel.speed", (0.5 * speed, speed)), Axis(size, (0.5 * base, base))
+    answer = adequacy(read_scenario(tree), *axes, workers=1)
     add_plain(found, answer.as_dict(), "adequacy")
 
 
@@ -139,6 +137,56 @@ def _show(tree: Tree, options: Tree, found: Observation) -> None:
     found.structure["text"] = {"lines": len(lines) > 0}
 
 
+def _resume(tree: Tree, options: Tree, found: Observation) -> None:
+    from ropewalk.resuming import resume
+    from ropewalk.simulate import simulate
+
+    file = Path(f"resumed-{os.getpid()}.nc")
+    until = tree["run"]["until"]
+    half = {**tree, "run": {**tree["run"], "until": 0.5 * until}}
+    try:
+        simulate(read_scenario(half), file=file, overwrite=True).close()
+        with resume(file, until) as result:
+            _observed(result, found, "")
+    finally:
+        file.unlink(missing_ok=True)
+
+
+def _elasticity(tree: Tree, options: Tree, found: Observation) -> None:
+    from ropewalk.overhead.properties import properties
+
+    add_plain(found, properties(read_scenario(tree), 100.0, None, 5.0), "elasticity")
+
+
+def _gradient(tree: Tree, options: Tree, found: Observation) -> None:
+    from ropewalk.designs.gradient import gradient
+
+    load = tree["loads"]["load"]
+    key = "loads.load.mass" if load["kind"] == "mass" else "gravity"
+    result = gradient(read_scenario(tree), "largest_tension", key, workers=1)
+    add_plain(found, {name: result[name].values.ravel().tolist() for name in ("gradient", "error")}, "gradient")
+    found.structure["gradient"]["attributes"] = sorted(map(str, result.attrs))
+
+
+def _functions_of_time(tree: Tree, options: Tree, found: Observation) -> None:
+    """Force and speed of the load as Python functions of time."""
+    import math
+
+    from ropewalk.model.scenario import Scenario
+    from ropewalk.simulate import simulate
+
+    scenario = read_scenario(tree)
+    load = scenario.loads["load"]
+    until, force, speed = scenario.run.until, load.force, load.travel.speed
+    changed = {
+        **{name: getattr(load, name) for name in type(load).model_fields},
+        "force": lambda t: [size * math.sin(math.pi * t / until) for size in force],
+        "travel": load.travel.model_copy(update={"speed": lambda t: speed * (1.0 + 0.2 * t / until)}),
+    }
+    own = {name: getattr(scenario, name) for name in type(scenario).model_fields}
+    _observed(simulate(Scenario(**own | {"loads": {"load": type(load)(**changed)}})), found, "")
+
+
 def _spectrum(tree: Tree, options: Tree, found: Observation) -> None:
     from ropewalk.simulate import spectrum_of
 
@@ -150,4 +198,5 @@ def _spectrum(tree: Tree, options: Tree, found: Observation) -> None:
 TOOLS: dict[str, Callable[[Tree, Tree, Observation], None]] = {
     "run": _run, "feedback": _feedback, "compare": _compare, "adequacy": _adequacy, "export load": _export_load,
     "export line": _export_line, "go on": _go_on, "show": _show, "spectrum": _spectrum,
+    "resume": _resume, "elasticity": _elasticity, "gradient": _gradient, "functions of time": _functions_of_time,
 }  # fmt: skip

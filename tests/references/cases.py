@@ -6,31 +6,33 @@ import json
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 from zlib import crc32
 
 from conformance.cases import cases as matrix
 from conformance.structures import Tree
 from ropewalk.results.contract import scenario_text
 from ropewalk.scenario import load
-from ropewalk.scenario.yaml_text import read_yaml
+
+from . import additional as more
 
 FOLDER = Path(__file__).parent
-EXAMPLES = FOLDER.parent.parent / "examples"
-
-SETTINGS: dict[str, tuple[str, ...]] = json.loads((FOLDER / "examples.json").read_text(encoding="utf-8"))
-"""Settings that shorten an example, so that it takes at most about ten seconds; an empty list runs it as it is."""
+ROOT = FOLDER.parent.parent
+FAULTS = FOLDER.parent / "cases"
+FOREIGN = ("crane-on-rope.yaml", "exudyn-vehicle.yaml", "uvec-on-bridge.yaml")
+"""Examples of vehicles in packages of others."""
+SETTINGS = {"footbridge-crowd.yaml": ("run.until=6 s",), "ropeway-tower-speed.yaml": ("run.until=40 s",)}
+"""Settings that shorten what takes more than ten seconds."""
 
 
 @dataclass(frozen=True)
 class ReferenceCase:
-    """A scenario, as a tree of plain values or as the file of an example, and the tool that answers it."""
+    """A scenario, as a tree of plain values or as a file, and the tool that answers it."""
 
     name: str
     source: Tree = field(default_factory=dict)
     tool: str = "run"
     options: Tree = field(default_factory=dict)
-    example: str = ""
+    file: str = ""
 
     @property
     def shard(self) -> int:
@@ -39,10 +41,10 @@ class ReferenceCase:
 
     @property
     def tree(self) -> Tree:
-        """The scenario as plain values; of an example in SI, with all defaults."""
-        if not self.example:
+        """The scenario as plain values; of a file in SI, with all defaults."""
+        if not self.file:
             return self.source
-        scenario = load(EXAMPLES / self.example, SETTINGS.get(self.example, ()))
+        scenario = load(ROOT / self.file, SETTINGS.get(Path(self.file).name, ()))
         found: Tree = json.loads(scenario_text(scenario))
         return found
 
@@ -59,28 +61,18 @@ def of_matrix() -> Iterator[ReferenceCase]:
 
 
 def examples() -> Iterator[ReferenceCase]:
-    """Return every example, shortened where it takes long."""
-    for path in sorted(EXAMPLES.glob("*.yaml")):
-        yield ReferenceCase(f"example / {path.stem}", example=path.name)
+    """Return every example that needs no packages of others, shortened where it takes long."""
+    for path in sorted((ROOT / "examples").glob("*.yaml")):
+        if path.name not in FOREIGN:
+            yield ReferenceCase(f"example / {path.stem}", file=str(path.relative_to(ROOT)))
 
 
 def additional() -> Iterator[ReferenceCase]:
-    """Return the cases of `additional.yaml`: capabilities that the matrix and the examples do not show."""
-    file = FOLDER / "additional.yaml"
-    tree: Any = read_yaml(file.read_text(encoding="utf-8"), file.name).tree
-    bases: dict[str, Tree] = tree["bases"]
-    for name, case in tree["cases"].items():
-        own = {key: value for key, value in case.items() if key not in ("base", "tool", "options")}
-        scenario = _merged(bases[case["base"]], own) if "base" in case else own
-        yield ReferenceCase(f"additional / {name}", scenario, case.get("tool", "run"), case.get("options", {}))
-
-
-def _merged(base: Any, changes: Any) -> Any:
-    """Return a tree with changes; None removes a key."""
-    if not (isinstance(base, dict) and isinstance(changes, dict)):
-        return changes
-    found = {**base, **{key: _merged(base.get(key), value) for key, value in changes.items()}}
-    return {key: value for key, value in found.items() if value is not None}
+    """Return the additional cases, and the inputs of tests of single faults."""
+    for path in sorted(FAULTS.glob("*.yaml")):
+        yield ReferenceCase(f"fault / {path.stem}", file=str(path.relative_to(ROOT)))
+    for name, tree, tool, options in more.additional():
+        yield ReferenceCase(name, tree, tool, options)
 
 
 def selected(

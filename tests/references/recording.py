@@ -22,7 +22,7 @@ from pathlib import Path
 
 import numpy as np
 
-from conformance.working import furnish
+from conformance.keys import furnish
 
 from .answering import answer
 from .cases import ReferenceCase
@@ -44,10 +44,9 @@ class Record:
 
 def record(case: ReferenceCase, halved: bool = True) -> Record:
     """Answer a case, and with half its elements where its answer is a result."""
-    tree = case.tree
-    full = answer(tree, case.tool, case.options)
-    coarse = half(tree) if halved and (full.quantities or full.numbers) else None
-    return Record(case.name, full, answer(coarse, case.tool, case.options) if coarse is not None else None)
+    full = answer(lambda: case.tree, case.tool, case.options)
+    coarse = half(case.tree) if halved and (full.quantities or full.numbers) else None
+    return Record(case.name, full, answer(lambda: coarse or {}, case.tool, case.options) if coarse else None)
 
 
 class Worker:
@@ -84,7 +83,7 @@ class Worker:
 
     def _start(self) -> None:
         self._pipe, other = mp.Pipe()
-        self._process = mp.get_context("spawn").Process(target=_serve, args=(other, self._folder), daemon=True)
+        self._process = mp.get_context("spawn").Process(target=_serve, args=(other, self._folder))
         self._process.start()
         other.close()
 
