@@ -14,6 +14,7 @@ import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 from ruamel.yaml import YAML
 
@@ -63,13 +64,13 @@ def record(asked: argparse.Namespace) -> None:
 
 def merge(asked: argparse.Namespace) -> None:
     """Write the reference file from the shard files."""
-    reasons: list[dict[str, str]] = YAML(typ="safe").load(FOLDER / "known_wrong.yaml") or []
+    reasons: list[dict[str, Any]] = YAML(typ="safe").load(FOLDER / "known_wrong.yaml")
     known = {case.name for case in cases()}
     found: dict[str, Reference] = {}
     for file in sorted(asked.folder.glob("shard-*.bin")):
         for one in recording.read(file):
             if one.name in known:
-                wrong = next((entry["reason"] for entry in reasons if entry["case"] in one.name), "")
+                wrong = next((own["reason"] for own in reasons if all(part in one.name for part in own["parts"])), "")
                 found[one.name] = reference_of(one, wrong)
     store.write((found[name] for name in sorted(found)), asked.file)
     marks = Counter(reference.mark for reference in found.values())

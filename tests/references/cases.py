@@ -20,6 +20,8 @@ ROOT = FOLDER.parent.parent
 FAULTS = FOLDER.parent / "cases"
 FOREIGN = ("crane-on-rope.yaml", "exudyn-vehicle.yaml", "uvec-on-bridge.yaml")
 """Examples of vehicles in packages of others."""
+SLOW = ("b-slow-to-compile.yaml",)
+"""Inputs of faults that compile kernels of their own."""
 SETTINGS = {"footbridge-crowd.yaml": ("run.until=6 s",), "ropeway-tower-speed.yaml": ("run.until=40 s",)}
 """Settings that shorten what takes more than ten seconds."""
 
@@ -70,7 +72,8 @@ def examples() -> Iterator[ReferenceCase]:
 def additional() -> Iterator[ReferenceCase]:
     """Return the additional cases, and the inputs of tests of single faults."""
     for path in sorted(FAULTS.glob("*.yaml")):
-        yield ReferenceCase(f"fault / {path.stem}", file=str(path.relative_to(ROOT)))
+        if path.name not in SLOW:
+            yield ReferenceCase(f"fault / {path.stem}", file=str(path.relative_to(ROOT)))
     for name, tree, tool, options in more.additional():
         yield ReferenceCase(name, tree, tool, options)
 
