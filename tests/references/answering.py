@@ -169,22 +169,49 @@ def _gradient(tree: Tree, options: Tree, found: Observation) -> None:
 
 
 def _functions_of_time(tree: Tree, options: Tree, found: Observation) -> None:
-    """Force and speed of the load as Python functions of time."""
+    """A Python function of time in place of the force and the speed, the drive or the displacement."""
     import math
 
-    from ropewalk.model.scenario import Scenario
     from ropewalk.simulate import simulate
 
     scenario = read_scenario(tree)
-    load = scenario.loads["load"]
-    until, force, speed = scenario.run.until, load.force, load.travel.speed
-    changed = {
-        **{name: getattr(load, name) for name in type(load).model_fields},
-        "force": lambda t: [size * math.sin(math.pi * t / until) for size in force],
-        "travel": load.travel.model_copy(update={"speed": lambda t: speed * (1.0 + 0.2 * t / until)}),
-    }
-    own = {name: getattr(scenario, name) for name in type(scenario).model_fields}
-    _observed(simulate(Scenario(**own | {"loads": {"load": type(load)(**changed)}})), found, "")
+    until, load = scenario.run.until, scenario.loads["load"]
+
+    def pulse(value: Any) -> Any:
+        size = value if isinstance(value, tuple) else (value,)
+
+        def at(t: float) -> Any:
+            values = [part * math.sin(math.pi * t / until) for part in size]
+            return values if isinstance(value, tuple) else values[0]
+
+        return at
+
+    if options["of"] == "displacement":
+        line = scenario.lines["rope"]
+        end = _changed(line.end_support, displacement=pulse(line.end_support.displacement))
+        own = {"lines": {**scenario.lines, "rope": _changed(line, end_support=end)}}
+    elif options["of"] == "drive":
+        own = {"loads": {"load": _changed(load, travel=_changed(load.travel, drive=pulse(load.travel.drive)))}}
+    else:
+        speed = load.travel.speed
+        moved = _changed(load.travel, speed=lambda t: speed * (1.0 + 0.2 * t / until))
+        own = {"loads": {"load": _changed(load, travel=moved, force=pulse(load.force))}}
+    _observed(simulate(_changed(scenario, **own)), found, "")
+
+
+def _changed(declaration: Any, **changes: Any) -> Any:
+    """Return a declaration with changes, checked anew."""
+    own = {name: getattr(declaration, name) for name in type(declaration).model_fields}
+    return type(declaration)(**own | changes)
+
+
+def _sweep(tree: Tree, options: Tree, found: Observation) -> None:
+    from ropewalk.sweeps.sweeping import sweep
+
+    speed = tree["loads"]["load"]["travel"]["speed"]
+    over = {"loads.load.travel.speed": [0.8 * speed, speed]}
+    result = sweep(read_scenario(tree), over, record="max tension, max deflection", workers=0)
+    add_plain(found, {str(name): result[name].values.ravel().tolist() for name in result.data_vars}, "sweep")
 
 
 def _spectrum(tree: Tree, options: Tree, found: Observation) -> None:
@@ -199,4 +226,5 @@ TOOLS: dict[str, Callable[[Tree, Tree, Observation], None]] = {
     "run": _run, "feedback": _feedback, "compare": _compare, "adequacy": _adequacy, "export load": _export_load,
     "export line": _export_line, "go on": _go_on, "show": _show, "spectrum": _spectrum,
     "resume": _resume, "elasticity": _elasticity, "gradient": _gradient, "functions of time": _functions_of_time,
+    "sweep": _sweep,
 }  # fmt: skip

@@ -177,7 +177,9 @@ def _of_contacts(result: xr.Dataset, frames: NDArray[np.int_], path: Array) -> I
         for k, axis in enumerate(axes):
             yield f"position:{name} {axis}", place[:, k]
             yield f"force:{name} {axis}", force[frames, c, k]
-            yield f"force:{name} {axis} low-passed", low_passed(path, force[:, c, k])[frames]
+            smooth = low_passed(path, force[:, c, k])
+            yield f"force:{name} {axis} low-passed", smooth[frames]
+            yield f"force:{name} {axis} low-passed extremes", np.array([[smooth.min(), smooth.max()]])
             yield f"impulse:{name} {axis}", _impulse(path, force[:, c, k])
         if "hold_force" in result:
             yield f"force:{name} hold", np.linalg.norm(result["hold_force"].values[frames, c], axis=-1)
