@@ -31,7 +31,7 @@ ELSEWHERE ?= --ignore-glob='tests/mechanics/test_kernel_*.py' --ignore=tests/mec
 .DELETE_ON_ERROR:
 STUDIO := src/ropewalk/studio/page
 .PHONY: core docs pictures release studio lessons studio-packages studio-front studio-check help demo warm-up test test-elsewhere lint types figures bench peers fuzz \
-  kills kills-cluster interrupts matrix properties clean clean-cache
+  kills kills-cluster interrupts matrix references properties clean clean-cache
 
 help:
 	@echo "make demo         set up, run examples/$(DEMO).yaml, draw out/$(DEMO).png and .gif"
@@ -51,6 +51,7 @@ help:
 	@echo "make kills-cluster  COUNT (200) kills of workers, scheduler and command of sweeps on a Dask cluster"
 	@echo "make interrupts   COUNT (100) commands of all kinds interrupted at any moment, set-up included: how soon they end"
 	@echo "make matrix       what works on what: thousands of short runs, into docs/capabilities.md"
+	@echo "make references   every case of the matrix and every example against the recorded references (20 minutes on two cores)"
 	@echo "make properties   PAIRS (2000) of scenarios that mechanics relates, drawn with SEEDS (1): a quarter of an hour of CPU"
 	@echo "make release      wheel and sdist in dist/, both tried in fresh environments"
 	@echo "make figures      the figures of the paper, in out/figures"
@@ -178,6 +179,10 @@ kills-cluster: $(VENV)/.dev
 
 matrix: $(VENV)/.dev
 	@$(BIN)/python -m tests.conformance
+
+# ALL=1  compares the few cases that take long, too.
+references: $(VENV)/.dev
+	@cd tests && $(abspath $(BIN))/python -m references $(if $(ALL),--all)
 
 properties: $(VENV)/.dev
 	@mkdir -p out
