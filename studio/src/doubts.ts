@@ -13,11 +13,8 @@ export function listed(doubts: Doubt[], notes: string[], go: (time: number) => v
     ...doubts.map(({ text, time, key }) => {
       const made = element("p", { class: "doubt" }, `Not to be trusted: ${text} `);
       if (time !== null) made.append(button(`Go to ${time} s`, () => go(time)));
-      if (key)
-        made.append(
-          " ",
-          button(`Show ${key}`, () => open(key)),
-        );
+      const show = button(`Show ${key}`, () => open(key));
+      if (key) made.append(" ", show);
       return made;
     }),
     ...notes.map((text) => element("p", { class: "hint" }, `Note: ${text}`)),

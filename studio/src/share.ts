@@ -16,10 +16,9 @@ function next(): void {
   }
   const message = unpacked(bytesOf(text));
   if (viewer) return viewer.more(message);
-  const made = new Viewer({ messages: [message], ended });
-  viewer = made;
-  document.body.append(...made.parts);
-  addEventListener("keydown", (event) => made.key(event));
+  viewer = new Viewer({ messages: [message], ended });
+  document.body.append(...viewer.parts);
+  addEventListener("keydown", (event) => viewer?.key(event));
 }
 
 Object.assign(globalThis, { ropewalk: next });

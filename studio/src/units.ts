@@ -2,18 +2,14 @@
 export function written(value: number, unit: string, digits = 3): string {
   if (!Number.isFinite(value)) return "–";
   if (value === 0) return `0 ${unit}`.trim();
-  const size = Math.abs(value);
-  const [factor, prefix] =
-    unit === ""
-      ? [1, ""]
-      : size >= 1e6
-        ? [1e-6, "M"]
-        : size >= 1e3 && unit !== "m"
-          ? [1e-3, "k"]
-          : size < 0.1 && unit !== "kg"
-            ? [1e3, "m"]
-            : [1, ""];
+  const [factor, prefix] = scaled(Math.abs(value), unit);
   return `${rounded(value * factor, digits)}${unit ? ` ${prefix}${unit}` : ""}`;
+}
+
+function scaled(size: number, unit: string): [number, string] {
+  if (unit !== "" && size >= 1e6) return [1e-6, "M"];
+  if (!["", "m"].includes(unit) && size >= 1e3) return [1e-3, "k"];
+  return !["", "kg"].includes(unit) && size < 0.1 ? [1e3, "m"] : [1, ""];
 }
 
 /** A number to so many digits, of small ones so many decimals. */

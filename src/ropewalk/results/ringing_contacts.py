@@ -19,30 +19,27 @@ class RingingContactsWatch(Watch):
     """Watches the wheels of bodies in linear theory on beams."""
 
     def _prepare(self) -> None:
-        lines, loads = self.scenario.lines, [self.scenario.loads.get(name) for name in self.loads]
         self._own = [
-            k for k, load in enumerate(loads)
-            if self.scenario.run.kind == "linear" and load is not None and not isinstance(load, GivenForces)
-            and load.on in lines and lines[load.on].bending_stiffness
+            k for k, name in enumerate(self.loads)
+            if (load := self.scenario.loads.get(name)) and not isinstance(load, GivenForces)
+            and getattr(self.scenario.lines.get(load.on), "bending_stiffness", 0.0)
         ]  # fmt: skip
         self._forces = list[Array]()
 
     def see(self, frames: Frames) -> None:
         """Keep the vertical contact forces of some frames."""
-        if self._own:
+        if self._own and self.scenario.run.kind == "linear":
             self._forces.append(np.array(frames.of["contact_force"][:, self._own, -1]))
 
     def messages(self, run_info: RunInfo) -> Iterator[str]:
         """Yield a warning for each load whose contact forces change much between output instants."""
-        if not self._forces or not run_info.on_splines:
-            return
-        force, worst = np.concatenate(self._forces), dict[str, float]()
-        for column, k in zip(force.T, self._own, strict=True):
-            change = np.abs(np.diff(column))
-            change = change[np.isfinite(change)]
-            if change.size >= _FEWEST and (mean := float(np.nanmean(np.abs(column)))) > 0.0:
-                worst[self.loads[k]] = max(worst.get(self.loads[k], 0.0), float(np.median(change)) / mean)
-        for name, share in worst.items():
+        shares = dict[str, float]()
+        forces = np.concatenate(self._forces) if self._forces and run_info.on_splines else np.zeros((0, 0))
+        for force, k in zip(forces.T, self._own, strict=False):
+            change = np.abs(np.diff(force))
+            if np.isfinite(change).sum() >= _FEWEST and (mean := float(np.nanmean(np.abs(force)))) > 0.0:
+                shares[self.loads[k]] = max(shares.get(self.loads[k], 0.0), float(np.nanmedian(change)) / mean)
+        for name, share in shares.items():
             if share > _MUCH:
                 yield (
                     f"contact forces of load {name} change by {100.0 * share:.0f} % of their mean from one output "

@@ -42,24 +42,22 @@ class StartPositionWatch(Watch):
             ):
                 continue
             measured, start = load.starts()[0].measured, float(getattr(travel, "start", math.nan))
-            contact = self._contact(name, load, start)
+            contact, origin = self._contact(name, load, start), np.array(line.start[:-1])
             if contact is None or measured == "horizontal" or _is_intended(line, start):
                 continue
             place, reach = contact
-            level: Array = np.array(line.end[:-1]) - np.array(line.start[:-1])
-            span = float(np.linalg.norm(level))
-            if span == 0.0:
+            level: Array = np.array(line.end[:-1]) - origin
+            if (span := float(np.linalg.norm(level))) == 0.0:
                 continue
-            along = float((place[: level.size] - np.array(line.start[:-1])) @ level) / span
+            along = float((place[: level.size] - origin) @ level) / span
             away = min(abs(along - start), abs(along - start * span / line.distance))
             if away > _MUCH * span:
-                key, known = f"loads.{name}.{'travel.' if travel is not load else ''}from", _known(line, reach)
-                where = f"x = {place[0]:.4g} m" + (
-                    f", y = {place[1]:.4g} m" if place.size == 3 and level.size > 1 else ""
-                )
+                key = f"loads.{name}.{'travel.' if travel is not load else ''}from"
+                where = ", ".join(f"{axis} = {r:.4g} m" for axis, r in zip("xy", place[: level.size], strict=False))
                 yield (
                     f"load {name} starts at {where}, {along:.4g} m from the start of {load.on} measured horizontally: "
-                    f"{key}: {start:.6g} m is measured along the {known}{_remedy(load, line, start)}"
+                    f"{key}: {start:.6g} m is measured along the unstrained line, which is {reach:.4g} m long between "
+                    f"supports {line.distance:.4g} m apart{_remedy(load, line, start)}"
                 )
 
     def _contact(self, name: str, load: AnyLoad, start: float) -> tuple[Array, float] | None:
@@ -77,14 +75,8 @@ class StartPositionWatch(Watch):
 
 def _is_intended(line: Line, start: float) -> bool:
     """Return whether a start is plainly a part of a declared length, or of a way over sheaves, and not of the span."""
-    if line.sheaves or line.saddles:
-        return True
     half = math.isclose(start, 0.5 * line.distance, rel_tol=1e-3)
-    return line.length is not None and line.length > line.distance and not half
-
-
-def _known(line: Line, length: float) -> str:
-    return f"unstrained line, which is {length:.4g} m long between supports {line.distance:.4g} m apart"
+    return bool(line.sheaves or line.saddles) or ((line.length or 0.0) > line.distance and not half)
 
 
 def _remedy(load: AnyLoad, line: Line, start: float) -> str:
