@@ -152,7 +152,7 @@ def _lines(path: tuple[str, ...], track: Track, lines: Mapping[str, Line]) -> It
             feature, remedy = "a rail that is given by its tension", f"give lines.{name} a length"
         elif spatial(line.start)[1] or spatial(line.end)[1]:
             feature, remedy = "a line outside the x-z plane", f"write start and end of lines.{name} as [x, z]"
-        elif abs(line.end[0] - line.start[0]) < _SAME * line.distance:
+        elif abs(line.end[0] - line.start[0]) <= _SAME * line.distance:
             feature, remedy = "a vertical line", "name a line that extends along x"
         if feature:
             yield missing((*path, *key), "tracks", repr(name), remedy, feature=feature)

@@ -22,7 +22,7 @@ class RingingContactsWatch(Watch):
         self._own = [
             k for k, name in enumerate(self.loads)
             if (load := self.scenario.loads.get(name)) and not isinstance(load, GivenForces)
-            and getattr(self.scenario.lines.get(load.on), "bending_stiffness", 0.0)
+            and (line := self.scenario.lines.get(load.on)) and line.bending_stiffness
         ]  # fmt: skip
         self._forces = list[Array]()
 
