@@ -51,6 +51,7 @@ LARGEST_RESULT, LARGEST_IN_MEMORY = 2e9, 5e7
 
 LEAST_ROPE = 0.99
 """Part of the rope of a payload that may be taken in."""
+_MOST_FRAMES = 1e7
 _ACROSS = 0.1  # cosine between line and rail: what moves further across the line than this does not set its tension
 
 
@@ -327,3 +328,7 @@ def too_large(parts: Parts, most: float, otherwise: str = "") -> Iterator[Findin
         finer = "elements or cells of nets" if parts.nets else "elements"
         remedy = f"{otherwise}{verb} run.{action} or lower {finer}: at most {most:g} are kept"
         yield Finding(key, f"the result would hold {number}", remedy=remedy)
+    elif frames > _MOST_FRAMES:
+        verb = "lower" if isinstance(run, Quasistatic) else "raise"
+        remedy = f"{verb} {'.'.join(key)}: at most {_MOST_FRAMES:g} are kept"
+        yield Finding(key, f"the result would have {frames:.2g} frames", remedy=remedy)

@@ -100,7 +100,7 @@ def _return(dataset: xr.Dataset, scenario: Scenario, line: str, xi: float) -> fl
     """Time in s after which waves from a place on a line have returned from both sides; NaN where it is not known."""
     own, links = (np.flatnonzero(dataset[name].values == line) for name in ("line", "link_line"))
     station, declared = dataset["xi"].values[own], scenario.lines[line]
-    stations = supported(dataset.isel(time=[0]), line)[0]
+    stations = supported(dataset, line)[0]
     low, high = (stations[stations < xi].max(initial=-np.inf), stations[stations > xi].min(initial=np.inf))
     if not (np.isfinite(low) and np.isfinite(high)):
         return math.nan  # it starts at an end

@@ -38,13 +38,12 @@ class StartPositionWatch(Watch):
                 or position_in_x(load) is not None
                 or (load.kind == "trolley" and load.also_on)
                 or not load.starts()
-                or "start" not in travel.model_fields_set  # a model of its own says where it is
             ):
                 continue
             measured, start = load.starts()[0].measured, float(getattr(travel, "start", math.nan))
             contact, origin = self._contact(name, load, start), np.array(line.start[:-1])
-            if contact is None or measured == "horizontal" or _is_intended(line, start):
-                continue
+            if contact is None or start == 0.0 or measured == "horizontal" or _is_intended(line, start):
+                continue  # a model of its own, whose start is 0, says itself where it is
             place, reach = contact
             level: Array = np.array(line.end[:-1]) - origin
             if (span := float(np.linalg.norm(level))) == 0.0:
