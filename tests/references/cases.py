@@ -18,8 +18,6 @@ from . import additional as more
 FOLDER = Path(__file__).parent
 ROOT = FOLDER.parent.parent
 FAULTS = FOLDER.parent / "cases"
-FOREIGN = ("crane-on-rope.yaml", "exudyn-vehicle.yaml", "uvec-on-bridge.yaml")
-"""Examples of vehicles in packages of others."""
 SLOW = ("b-slow-to-compile.yaml",)
 """Inputs of faults that compile kernels of their own."""
 SETTINGS = {"footbridge-crowd.yaml": ("run.until=6 s",), "ropeway-tower-speed.yaml": ("run.until=40 s",)}
@@ -63,10 +61,9 @@ def of_matrix() -> Iterator[ReferenceCase]:
 
 
 def examples() -> Iterator[ReferenceCase]:
-    """Return every example that needs no packages of others, shortened where it takes long."""
+    """Return every example, shortened where it takes long."""
     for path in sorted((ROOT / "examples").glob("*.yaml")):
-        if path.name not in FOREIGN:
-            yield ReferenceCase(f"example / {path.stem}", file=str(path.relative_to(ROOT)))
+        yield ReferenceCase(f"example / {path.stem}", file=str(path.relative_to(ROOT)))
 
 
 def additional() -> Iterator[ReferenceCase]:
