@@ -320,15 +320,13 @@ def too_large(parts: Parts, most: float, otherwise: str = "") -> Iterator[Findin
         frames, key = float(run.positions), ("run", "positions")
     else:
         return
-    nodes = nodes_of(parts)
+    nodes, verb = nodes_of(parts), "lower" if isinstance(run, Quasistatic) else "raise"
     if frames * nodes > most:
         number = f"{frames * nodes:.3g} node positions ({frames:.4g} frames of {nodes} nodes)"
         action = "positions" if isinstance(run, Quasistatic) else "every"
-        verb = "lower" if isinstance(run, Quasistatic) else "raise"
         finer = "elements or cells of nets" if parts.nets else "elements"
         remedy = f"{otherwise}{verb} run.{action} or lower {finer}: at most {most:g} are kept"
         yield Finding(key, f"the result would hold {number}", remedy=remedy)
     elif frames > _MOST_FRAMES:
-        verb = "lower" if isinstance(run, Quasistatic) else "raise"
         remedy = f"{verb} {'.'.join(key)}: at most {_MOST_FRAMES:g} are kept"
         yield Finding(key, f"the result would have {frames:.2g} frames", remedy=remedy)

@@ -45,17 +45,22 @@ def largest_step_along(mesh: Mesh, inertia: float = 1.0) -> float:
 
 
 def refuse_tiny_steps(mesh: Mesh, steps: int, sample: float) -> None:
-    """Refuse a motion whose stable step is so small that it would not get anywhere.
+    """Refuse a motion whose stable time step is so short that it would never end.
+
+    Args:
+        mesh: the wires.
+        steps: in a sample.
+        sample: interval of samples, s.
 
     Raises:
-        RopewalkError: it takes too many steps in a sample of so many seconds.
+        RopewalkError: there are too many steps in a sample.
     """
     if steps * mesh.nodes <= _MOST:
         return
     EA = np.array([wire.axial_stiffness for wire in mesh.plan.wires])
     name = mesh.plan.wires[int((EA / mesh.strands.rho).argmax())].name
     raise RopewalkError(
-        f"{name}: motion takes steps of {sample / steps:.2g} s, and would not end; check the units of "
+        f"{name}: the motion needs time steps of {sample / steps:.2g} s and would never end; check the units of "
         "axial_stiffness, bending_stiffness and mass, and of springs and dampers of supports, droppers and loads"
     )
 
