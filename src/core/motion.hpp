@@ -122,8 +122,8 @@ struct Motion {
     void move_others(const Step& step) {
         I64 begin = 0;
         for (I64 run = 0; run < m.runs; run++) {
-            move_nodes(step, begin, m.run_first[run] + 1);
-            begin = m.run_first[run] + m.run_links[run];
+            move_nodes(step, begin, s.run_first[run] + 1);
+            begin = s.run_first[run] + s.run_links[run];
         }
         move_nodes(step, begin, m.nodes);
     }

@@ -142,7 +142,8 @@ class Builder:
             state.contact_place[k], state.contact_speed[k] = place, speed
         for rows in (self._run_rows(), self._spring_rows()):
             for name in rows[0] if rows else ():
-                model.set(**{name: [row[name] for row in rows]})
+                block = state if name in state.names() else model
+                block.set(**{name: [row[name] for row in rows]})
         return model, state
 
     def _run_rows(self) -> list[dict[str, Any]]:
