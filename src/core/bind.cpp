@@ -1,6 +1,7 @@
 #include "bind.hpp"
 
 #include "elementary.hpp"
+#include "elements.hpp"
 
 namespace RW_VARIANT {
 
@@ -141,10 +142,13 @@ static void prepare(const Model& m, const State& s, Workspace& w) {
     for (I64 i = 0; i < SCRATCH_SIZE; i++) w.scratch[i] = 0.0;
     for (I64 r = 0; r < m.runs; r++) w.run_pulled[r] = 0, w.run_uniform[r] = is_uniform(m, s, r);
     for (I64 k = 0; k < m.contacts; k++) w.run_pulled[m.contact_run[k]] = 1;
-    for (I64 k = 0; k < m.springs; k++) {
-        if (const I64 run = run_around(m, s, m.spring_begin[k]); run >= 0) w.run_pulled[run] = 1;
-        if (const I64 run = run_around(m, s, m.spring_end[k]); run >= 0) w.run_pulled[run] = 1;
-    }
+    const auto pull = [&](I64 node) {
+        if (const I64 run = run_around(m, s, node); run >= 0) w.run_pulled[run] = 1;
+    };
+    for (I64 k = 0; k < m.springs; k++) pull(m.spring_begin[k]), pull(m.spring_end[k]);
+    visit_others<2>(m, s, [&]<class E>(const auto&, const I64* nodes) {
+        for (int i = 0; i < E::UNKNOWNS / 2; i++) pull(nodes[i]);
+    });
 }
 
 Finding bind(const Blocks& blocks, const I64* bytes) {
