@@ -99,7 +99,7 @@ def build(root: Path, folder: Path, *, checked: bool = False) -> Path:
         compiler = [sys.executable, "-m", "ziglang", "c++", "-target", target.zig]
     flags = [*FLAGS, *target.compiling, *(CHECKED if checked else ())]
     jobs = list[tuple[list[str], Path]]()
-    for source in ("api", "assembly", "bind", "runtime"):
+    for source in ("api", "assembly", "bind", "runtime", "sheaves"):
         jobs.append(([str(root / "src" / "core" / f"{source}.cpp")], objects / f"{source}.o"))
     for name, own in VARIANTS.items():
         if name == "baseline" or "86" in tag or "amd" in tag:

@@ -75,6 +75,16 @@ struct Assembly {
                 energies[1] -= m.weight[i] * s.position[i];
     }
 
+    void grips(double* grips) const {
+        visit_sheaves<AXES>(m, s, [&]<class E>(I64 q, const Pieces& p, const I64* nodes) {
+            double x[E::UNKNOWNS];
+            gather<E, AXES>(s.position, m.stride, nodes, x);
+            const Grip grip = grip_of<AXES>(p, m.sheave_friction[q], x);
+            grips[q] = grip.before, grips[m.sheaves + q] = grip.behind;
+            grips[2 * m.sheaves + q] = grip.angle, grips[3 * m.sheaves + q] = grip.most;
+        });
+    }
+
     I64 entries() const {
         I64 count = 0;
         visit_elements<AXES>(
@@ -114,6 +124,10 @@ void add_forces(const Blocks& blocks, const double* velocities, double* forces) 
 
 void sum_energies(const Blocks& blocks, double* energies) {
     with_assembly(blocks, [&](const auto& all) { all.energies(energies); });
+}
+
+void find_grips(const Blocks& blocks, double* grips) {
+    with_assembly(blocks, [&](const auto& all) { all.grips(grips); });
 }
 
 I64 count_entries(const Blocks& blocks) {

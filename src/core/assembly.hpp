@@ -10,6 +10,8 @@ namespace RW_VARIANT {
 void add_forces(const Blocks& blocks, const double* velocities, double* forces);
 // Energies, J: of elements, of weights.
 void sum_energies(const Blocks& blocks, double* energies);
+// Of each sheave: tension before and behind it, angle, largest friction (4, sheave).
+void find_grips(const Blocks& blocks, double* grips);
 // Number of the entries of the matrices.
 I64 count_entries(const Blocks& blocks);
 // Entries of K and C with their rows and columns, axis * nodes + node; forces as above.

@@ -14,6 +14,7 @@ enum class Fault : I64 {
     JOINT,     // a copy is its own original, inside a run, a copy twice, or has mass, weight or another position
     SPRING,    // both nodes are the same
     UNDAMPED,  // a damper in a model without predicted velocities
+    SHEAVE,    // runs, nodes or split of a sheave are not as check_sheaves wants them
 };
 
 struct Finding {

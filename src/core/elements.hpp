@@ -3,14 +3,25 @@
 #pragma once
 
 #include "arena.hpp"
-#include "element.hpp"
+#include "sheave.hpp"
 
 namespace RW_VARIANT {
+
+// Call visit<E>(number, parameters, nodes) for every sheave.
+template <int AXES, class Visit>
+void visit_sheaves(const Model& m, const State& s, Visit visit) {
+    for (I64 q = 0; q < m.sheaves; q++) {
+        const I64 last = s.run_first[m.sheave_run[q]] + s.run_links[m.sheave_run[q]];
+        const I64 nodes[] = {last, m.sheave_node[q], last + 1, m.sheave_split[q]};
+        visit.template operator()<OverSheave<AXES>>(q, pieces_of(m, q), nodes);
+    }
+}
 
 // Call visit<E>(parameters, nodes) for every element E between single nodes but springs.
 template <int AXES, class Visit>
 void visit_others(const Model& m, const State& s, Visit visit) {
-    (void)m, (void)s, (void)visit;
+    visit_sheaves<AXES>(
+        m, s, [&]<class E>(I64, const Pieces& p, const I64* nodes) { visit.template operator()<E>(p, nodes); });
 }
 
 // Values (axis, node) of an array with rows of so many numbers at the nodes of an element.

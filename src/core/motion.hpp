@@ -5,23 +5,26 @@
 #pragma once
 
 #include "elements.hpp"
+#include "sheaves.hpp"
 #include "stencil.hpp"
 #include "sweep.hpp"
 
 namespace RW_VARIANT {
 
-enum Outcome : I64 { DONE, STOPPED, DIVERGED };
+enum Outcome : I64 { DONE, STOPPED, DIVERGED, ENDED };
 
 template <int AXES, bool VISCOUS>
 struct Motion {
     const Model& m;
     const State& s;
     Workspace& w;
+    char *model, *state;  // the blocks of m and s
 
     I64 advance(I64 steps, double dt, const volatile I32* stop, I64* done) {
         for (*done = 0; *done < steps; ++*done) {
             if (*stop) return STOPPED;
             take_step(dt);
+            if (m.sheaves && baseline::pass_nodes(model, state) < 0) return ++*done, is_finite() ? ENDED : DIVERGED;
         }
         return is_finite() ? DONE : DIVERGED;
     }
@@ -34,6 +37,7 @@ struct Motion {
         add_others();
         press_contacts();
         sum_work(kick);
+        rub(kick);
         for (I64 run = 0; run < m.runs; run++) {
             if (m.run_curved[run])
                 Sweep<AXES, VISCOUS, true>(m, s, w, step, run).run();
@@ -88,6 +92,22 @@ struct Motion {
             if constexpr (VISCOUS) gather<E, AXES>(s.predicted, m.stride, nodes, v);
             E::force(p, Context{s.time[0], 0.0}, x, v, f);
             scatter<E, AXES>(f, m.stride, nodes, w.force);
+        });
+    }
+
+    // Friction at sheaves stops the rope there, or bears what it can; its work is that of its mean velocity in the
+    // kick.
+    void rub(double kick) {
+        visit_sheaves<AXES>(m, s, [&]<class E>(I64 q, const Pieces& p, const I64* nodes) {
+            double x[E::UNKNOWNS];
+            gather<E, AXES>(s.position, m.stride, nodes, x);
+            const double most = grip_of<AXES>(p, m.sheave_friction[q], x).most, mobility = m.mobility[nodes[3]];
+            if (!(most > 0.0 && mobility > 0.0)) return;
+            double& force = w.force[nodes[3]];
+            const double v = s.velocity[nodes[3]], stop = -(v / (kick * mobility) + force);
+            const double friction = stop > most ? most : (stop < -most ? -most : stop);
+            force += friction;
+            s.sheave_loss[q] -= friction * kick * (v + 0.5 * kick * mobility * force);
         });
     }
 

@@ -24,10 +24,10 @@ static I64 advance(char* model, char* state, char* work, I64 steps, double dt, c
     const Model m(Arena{model});
     const State s(Arena{state});
     Workspace w(Arena{work});
-    if (m.axes == 2 && m.viscous) return Motion<2, true>{m, s, w}.advance(steps, dt, stop, done);
-    if (m.axes == 2) return Motion<2, false>{m, s, w}.advance(steps, dt, stop, done);
-    if (m.viscous) return Motion<3, true>{m, s, w}.advance(steps, dt, stop, done);
-    return Motion<3, false>{m, s, w}.advance(steps, dt, stop, done);
+    if (m.axes == 2 && m.viscous) return Motion<2, true>{m, s, w, model, state}.advance(steps, dt, stop, done);
+    if (m.axes == 2) return Motion<2, false>{m, s, w, model, state}.advance(steps, dt, stop, done);
+    if (m.viscous) return Motion<3, true>{m, s, w, model, state}.advance(steps, dt, stop, done);
+    return Motion<3, false>{m, s, w, model, state}.advance(steps, dt, stop, done);
 }
 
 extern const Variant functions;

@@ -15,7 +15,7 @@ from ropewalk.engine.model import PARTS, Block, dimensions, fields
 from ropewalk.errors import RopewalkError
 
 Array = NDArray[np.float64]
-Outcome = Literal["done", "stopped", "diverged"]
+Outcome = Literal["done", "stopped", "diverged", "ended"]
 CALL = 0.03
 """Time of a call of the core, s: after it signals are noticed."""
 
@@ -32,6 +32,15 @@ class Potentials(NamedTuple):
 
     elastic: float
     weight: float
+
+
+class SheaveGrips(NamedTuple):
+    """Of each sheave: tensions before and behind it, N, angle by which the rope turns, and the most that friction bears."""
+
+    before: Array
+    behind: Array
+    angle: Array
+    most: Array
 
 
 class TangentMatrices(NamedTuple):
@@ -112,6 +121,16 @@ class Bound:
         library().rw_energies(self._bases, found.ctypes.data)
         return Potentials(*found.tolist())
 
+    def grips(self) -> SheaveGrips:
+        """Return what ropes do at sheaves at the positions of the State."""
+        found = np.zeros((4, self.model.sizes["SHEAVES"]))
+        library().rw_grips(self._bases, found.ctypes.data)
+        return SheaveGrips(*found)
+
+    def pass_nodes(self) -> int:
+        """Let nodes that are close to a sheave pass it, as a step does; return how many did."""
+        return int(library().rw_pass(self._bases))
+
     def kinetic_energy(self) -> float:
         """Return the kinetic energy at the instant of the positions, J."""
         moves = self.model.mobility > 0.0
@@ -163,6 +182,9 @@ _FAULTS = {
     "and the position and velocity of its original",
     7: "is node {value}, which is the first node of the spring, too",
     8: "is {value}; a structure with dampers needs VISCOUS = NODES",
+    9: "is {value}; a rope over a sheave is two runs that follow each other, of the same properties and of nodes that are "
+    "all the same, to which nothing else is attached; its split is a node that nothing else uses, moves along its first "
+    "axis and stands between 0 and two links",
 }
 _ADMITTED = {
     "FINITE": "finite numbers", "NOT_NEGATIVE": "finite numbers that are not negative", "POSITIVE": "positive numbers",

@@ -91,6 +91,28 @@ class Builder:
         """Add a spring between two nodes."""
         self._elements["spring"].append({"begin": begin, "end": end} | asdict(spring))
 
+    def add_sheave(self, node: int, friction: float = 0.0) -> int:
+        """Let the last two runs be a rope over a sheave, with a link on each side of it; return the node of its split.
+
+        The rope is two links longer than both runs. They have the same properties, and nothing else is added to them
+        but at the other ends of the rope.
+
+        Args:
+            node: that the sheave is at; it bears the weight of a link.
+            friction: coefficient.
+        """
+        run = len(self._runs) - 1
+        first, _, rope = self._runs[run]
+        mass = rope.line_mass * rope.link_length
+        for end in (first - 1, first):
+            self.add_mass(end, 0.5 * mass)
+        self.add_mass(node, mass)
+        split = self.add_node([rope.link_length] + [0.0] * (self.axes - 1), 0.0)
+        self._added.append((split, mass))
+        self.fix(split, axes=range(1, self.axes))
+        self._elements["sheave"].append({"run": run - 1, "node": node, "split": split, "friction": friction})
+        return split
+
     def fix(self, *nodes: int, axes: Iterable[int] | None = None) -> None:
         """Prescribe velocities of nodes along some axes; None: all."""
         for node in nodes:
@@ -150,4 +172,6 @@ class Builder:
             block.set(**{name if name in names else f"run_{name}": [row[name] for row in runs]})
         for kind, rows in self._elements.items():
             model.set(**{f"{kind}_{name}": [row[name] for row in rows] for name in rows[0]})
+        model.weight[:, model.sheave_split] = 0.0
+        model.sheave_weight[-1] = -self.gravity * model.line_mass[model.sheave_run]
         return model, state
