@@ -27,6 +27,13 @@ static void visit_elements(const Model& m, Visit visit) {
         const I64 nodes[] = {m.spring_begin[k], m.spring_end[k]};
         visit.template operator()<Straight<AXES>>(p, nodes);
     }
+    for (I64 band = 0; band < m.bands; band++) {
+        const Axial<double> p = springs_of(m, band);
+        for (I64 k = 0; k < m.band_springs[band]; k++) {
+            const I64 nodes[] = {m.band_begin[band] + k, m.band_end[band] + k};
+            visit.template operator()<Straight<AXES>>(p, nodes);
+        }
+    }
 }
 
 // Values (axis, node) of an array with rows of so many numbers at the nodes of an element.

@@ -92,6 +92,20 @@ static Finding check_springs(const Model& m) {
     return {Fault::NONE, 0, 0};
 }
 
+static Finding check_bands(const Model& m) {
+    I64 before = 0;
+    for (I64 k = 0; k < m.bands; k++) {
+        const I64 begin = m.band_begin[k], end = m.band_end[k], springs = m.band_springs[k];
+        const I64 low = begin < end ? begin : end, high = begin < end ? end : begin;
+        if (springs < 1 || springs > m.nodes - high || springs > high - low)
+            return {Fault::BAND, number_of_band_springs, k};
+        if (low < before) return {Fault::BAND, number_of_band_begin, k};
+        if (!m.viscous && m.band_damping[k] > 0.0) return {Fault::UNDAMPED, number_of_band_damping, k};
+        before = low;
+    }
+    return {Fault::NONE, 0, 0};
+}
+
 // Number of the run that a node is inside of, or -1. Runs are in order.
 static I64 run_around(const Model& m, I64 node) {
     I64 low = 0, high = m.runs;
@@ -141,10 +155,12 @@ static void prepare(const Model& m, Workspace& w) {
     for (I64 i = 0; i < SCRATCH_SIZE; i++) w.scratch[i] = 0.0;
     for (I64 r = 0; r < m.runs; r++) w.run_pulled[r] = 0, w.run_uniform[r] = is_uniform(m, r);
     for (I64 k = 0; k < m.contacts; k++) w.run_pulled[m.contact_run[k]] = 1;
-    for (I64 k = 0; k < m.springs; k++) {
-        if (const I64 run = run_around(m, m.spring_begin[k]); run >= 0) w.run_pulled[run] = 1;
-        if (const I64 run = run_around(m, m.spring_end[k]); run >= 0) w.run_pulled[run] = 1;
-    }
+    const auto mark = [&](I64 node) {
+        if (const I64 run = run_around(m, node); run >= 0) w.run_pulled[run] = 1;
+    };
+    for (I64 k = 0; k < m.springs; k++) mark(m.spring_begin[k]), mark(m.spring_end[k]);
+    for (I64 band = 0; band < m.bands; band++)
+        for (I64 k = 0; k < m.band_springs[band]; k++) mark(m.band_begin[band] + k), mark(m.band_end[band] + k);
 }
 
 Finding bind(const Blocks& blocks, const I64* bytes) {
@@ -163,6 +179,7 @@ Finding bind(const Blocks& blocks, const I64* bytes) {
     for (I64 i = 0; i < m.nodes; i++) w.force[i] = 0.0;
     if (const Finding found = check_runs(m); found.fault != Fault::NONE) return found;
     if (const Finding found = check_springs(m); found.fault != Fault::NONE) return found;
+    if (const Finding found = check_bands(m); found.fault != Fault::NONE) return found;
     if (const Finding found = check_joints(m, s, w); found.fault != Fault::NONE) return found;
     prepare(m, w);
     blocks.work.header().is_bound = 1;

@@ -50,6 +50,7 @@ class Builder:
     _fixed: dict[int, Array] = field(default_factory=dict)
     _runs: list[tuple[int, int, RunProperties]] = field(default_factory=list)
     _springs: list[tuple[int, int, SpringProperties]] = field(default_factory=list)
+    _bands: list[tuple[int, int, int, SpringProperties]] = field(default_factory=list)
     _forces: list[tuple[int, Array, float, float]] = field(default_factory=list)
     _joints: list[tuple[int, int]] = field(default_factory=list)
 
@@ -90,6 +91,17 @@ class Builder:
         """Add a spring between two nodes."""
         self._springs.append((begin, end, spring))
 
+    def add_band(self, begin: int, end: int, springs: int, spring: SpringProperties) -> None:
+        """Add equal springs from node `begin + k` to node `end + k`, such as the links between two threads of a net.
+
+        Args:
+            begin: first node on one side.
+            end: first node on the other side.
+            springs: number of springs; the two sides have no node in common.
+            spring: properties of each.
+        """
+        self._bands.append((begin, end, springs, spring))
+
     def fix(self, *nodes: int, axes: Iterable[int] | None = None) -> None:
         """Prescribe velocities of nodes along some axes; None: all."""
         for node in nodes:
@@ -118,9 +130,11 @@ class Builder:
             RopewalkError: a node that is not fixed has no mass.
         """
         points, masses = np.concatenate(self._points, axis=1), np.concatenate(self._masses)
-        damped = any(each.axial_damping for *_, each in self._runs) or any(s.damping for *_, s in self._springs)
+        springs = [each for *_, each in (*self._springs, *self._bands)]
+        damped = any(each.axial_damping for *_, each in self._runs) or any(each.damping for each in springs)
         sizes = {"AXES": self.axes, "NODES": masses.size, "VISCOUS": masses.size * damped, "RUNS": len(self._runs),
-                 "SPRINGS": len(self._springs), "JOINTS": len(self._joints), "CONTACTS": len(self._forces)}  # fmt: skip
+                 "SPRINGS": len(self._springs), "BANDS": len(self._bands), "JOINTS": len(self._joints),
+                 "CONTACTS": len(self._forces)}  # fmt: skip
         model, state = Block("MODEL", sizes), Block("STATE", sizes)
         copies, originals = np.array(self._joints, dtype=np.int64).reshape(-1, 2).T
         for node, mass in self._added:
@@ -140,7 +154,7 @@ class Builder:
         for k, (run, force, place, speed) in enumerate(self._forces):
             model.contact_run[k], model.contact_force[:, k] = run, force
             state.contact_place[k], state.contact_speed[k] = place, speed
-        for rows in (self._run_rows(), self._spring_rows()):
+        for rows in (self._run_rows(), self._spring_rows(), self._band_rows()):
             for name in rows[0] if rows else ():
                 model.set(**{name: [row[name] for row in rows]})
         return model, state
@@ -158,4 +172,11 @@ class Builder:
             {"spring_begin": begin, "spring_end": end}
             | {f"spring_{name}": value for name, value in asdict(spring).items()}
             for begin, end, spring in self._springs
+        ]
+
+    def _band_rows(self) -> list[dict[str, Any]]:
+        return [
+            {"band_begin": begin, "band_end": end, "band_springs": springs}
+            | {f"band_{name}": value for name, value in asdict(spring).items()}
+            for begin, end, springs, spring in sorted(self._bands, key=lambda band: min(band[:2]))
         ]
