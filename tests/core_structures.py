@@ -75,7 +75,8 @@ def net(
     EA: float = 2e3,
     side: float = 1.0,
 ) -> Bound:
-    """A square net of straight threads under a tension, sagged by an eighth; its rim is held unless `free`.
+    """A square net of straight threads under a tension, sagged by an eighth; its rim is held unless `free`,
+    when it pushes, too.
 
     Args:
         cells: along the threads and across them.
@@ -88,8 +89,8 @@ def net(
     """
     builder, (across, rows) = Builder(3, gravity=0.0 if free else 9.81), cells
     h = side / (1.0 + pull / EA)
-    thread = RunProperties(h, 0.4, EA, damping, tension_only=True, curved=False)
-    link = SpringProperties(EA / h, h, damping / h, tension_only=True)
+    thread = RunProperties(h, 0.4, EA, damping, tension_only=not free, curved=False)
+    link = SpringProperties(EA / h, h, damping / h, tension_only=not free)
     y, firsts = np.arange(across + 1) / across, list[int]()
     for row in range(rows + 1):
         z = -2.0 * side * y * (1.0 - y) * row / rows * (1.0 - row / rows)

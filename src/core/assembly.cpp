@@ -1,5 +1,6 @@
 #include "assembly.hpp"
 
+#include "elements.hpp"
 #include "link.hpp"
 #include "stencil.hpp"
 
@@ -34,16 +35,7 @@ static void visit_elements(const Model& m, Visit visit) {
             visit.template operator()<Straight<AXES>>(p, nodes);
         }
     }
-}
-
-// Values (axis, node) of an array with rows of so many numbers at the nodes of an element.
-template <class E, int AXES>
-static void gather(const double* from, I64 stride, const I64* nodes, double* values) {
-    for (int i = 0; i < E::UNKNOWNS; i++) values[i] = from[i % AXES * stride + nodes[i / AXES]];
-}
-template <class E, int AXES>
-static void scatter(const double* values, I64 stride, const I64* nodes, double* to) {
-    for (int i = 0; i < E::UNKNOWNS; i++) to[i % AXES * stride + nodes[i / AXES]] += values[i];
+    visit_others<AXES>(m, visit);
 }
 
 // Weights of nodes, and the forces of loads where their contacts are.
@@ -71,7 +63,7 @@ struct Assembly {
         set_loads(m, s, forces);
         visit_elements<AXES>(m, [&]<class E>(const auto& p, const I64* nodes) {
             double x[E::UNKNOWNS], v[E::UNKNOWNS], f[E::UNKNOWNS]{};
-            gather<E, AXES>(s.position.data, m.stride, nodes, x);
+            gather<E, AXES>(s.position, m.stride, nodes, x);
             gather<E, AXES>(velocities, m.nodes, nodes, v);
             E::force(p, c, x, v, f);
             scatter<E, AXES>(f, m.nodes, nodes, forces);
@@ -82,7 +74,7 @@ struct Assembly {
         energies[0] = energies[1] = 0.0;
         visit_elements<AXES>(m, [&]<class E>(const auto& p, const I64* nodes) {
             double x[E::UNKNOWNS];
-            gather<E, AXES>(s.position.data, m.stride, nodes, x);
+            gather<E, AXES>(s.position, m.stride, nodes, x);
             energies[0] += E::energy(p, c, x);
         });
         for (I64 axis = 0; axis < AXES; axis++)
@@ -102,7 +94,7 @@ struct Assembly {
         visit_elements<AXES>(m, [&]<class E>(const auto& p, const I64* nodes) {
             constexpr int N = E::UNKNOWNS;
             double x[N], v[N], f[N];
-            gather<E, AXES>(s.position.data, m.stride, nodes, x);
+            gather<E, AXES>(s.position, m.stride, nodes, x);
             gather<E, AXES>(velocities, m.nodes, nodes, v);
             linearise<E>(p, c, x, v, f, K, C);
             scatter<E, AXES>(f, m.nodes, nodes, forces);

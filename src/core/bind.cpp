@@ -1,6 +1,7 @@
 #include "bind.hpp"
 
 #include "elementary.hpp"
+#include "elements.hpp"
 
 namespace RW_VARIANT {
 
@@ -155,12 +156,15 @@ static void prepare(const Model& m, Workspace& w) {
     for (I64 i = 0; i < SCRATCH_SIZE; i++) w.scratch[i] = 0.0;
     for (I64 r = 0; r < m.runs; r++) w.run_pulled[r] = 0, w.run_uniform[r] = is_uniform(m, r);
     for (I64 k = 0; k < m.contacts; k++) w.run_pulled[m.contact_run[k]] = 1;
-    const auto mark = [&](I64 node) {
+    const auto pull = [&](I64 node) {
         if (const I64 run = run_around(m, node); run >= 0) w.run_pulled[run] = 1;
     };
-    for (I64 k = 0; k < m.springs; k++) mark(m.spring_begin[k]), mark(m.spring_end[k]);
+    for (I64 k = 0; k < m.springs; k++) pull(m.spring_begin[k]), pull(m.spring_end[k]);
+    visit_others<2>(m, [&]<class E>(const auto&, const I64* nodes) {
+        for (int i = 0; i < E::UNKNOWNS / 2; i++) pull(nodes[i]);
+    });
     for (I64 band = 0; band < m.bands; band++)
-        for (I64 k = 0; k < m.band_springs[band]; k++) mark(m.band_begin[band] + k), mark(m.band_end[band] + k);
+        for (I64 k = 0; k < m.band_springs[band]; k++) pull(m.band_begin[band] + k), pull(m.band_end[band] + k);
 }
 
 Finding bind(const Blocks& blocks, const I64* bytes) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "band.hpp"
+#include "elements.hpp"
 #include "stencil.hpp"
 #include "sweep.hpp"
 
@@ -31,6 +32,7 @@ struct Motion {
         const double kick = s.lag[0] + 0.5 * dt;
         const Step step{kick, dt, 0.5 * dt / kick};
         pull_springs();
+        add_others();
         press_contacts();
         sum_work(kick);
         I64 band = 0;
@@ -86,6 +88,17 @@ struct Motion {
         const I64 row = axis * m.stride;
         for (I64 j = 0; j < count; j++) values[j] = of[row + m.spring_end[k + j]] - of[row + m.spring_begin[k + j]];
         return values;
+    }
+
+    // Forces of elements without a loop of their own.
+    void add_others() {
+        visit_others<AXES>(m, [&]<class E>(const auto& p, const I64* nodes) {
+            double x[E::UNKNOWNS], v[E::UNKNOWNS]{}, f[E::UNKNOWNS]{};
+            gather<E, AXES>(s.position, m.stride, nodes, x);
+            if constexpr (VISCOUS) gather<E, AXES>(s.predicted, m.stride, nodes, v);
+            E::force(p, Context{s.time[0], 0.0}, x, v, f);
+            scatter<E, AXES>(f, m.stride, nodes, w.force);
+        });
     }
 
     // Locate all contacts, and add the forces of loads to the nodes that share them.
