@@ -9,8 +9,8 @@ namespace RW_VARIANT {
 
 // Call visit<E>(parameters, nodes) for every element E between single nodes but springs.
 template <int AXES, class Visit>
-void visit_others(const Model& m, Visit visit) {
-    (void)m, (void)visit;
+void visit_others(const Model& m, const State& s, Visit visit) {
+    (void)m, (void)s, (void)visit;
 }
 
 // Values (axis, node) of an array with rows of so many numbers at the nodes of an element.

@@ -37,7 +37,7 @@ struct Motion {
         sum_work(kick);
         I64 band = 0;
         for (I64 run = 0; run < m.runs; run++) {
-            pull_bands(band, m.run_first[run] + m.run_links[run]);
+            pull_bands(band, s.run_first[run] + s.run_links[run]);
             if (m.run_curved[run])
                 Sweep<AXES, VISCOUS, true>(m, s, w, step, run).run();
             else
@@ -92,7 +92,7 @@ struct Motion {
 
     // Forces of elements without a loop of their own.
     void add_others() {
-        visit_others<AXES>(m, [&]<class E>(const auto& p, const I64* nodes) {
+        visit_others<AXES>(m, s, [&]<class E>(const auto& p, const I64* nodes) {
             double x[E::UNKNOWNS], v[E::UNKNOWNS]{}, f[E::UNKNOWNS]{};
             gather<E, AXES>(s.position, m.stride, nodes, x);
             if constexpr (VISCOUS) gather<E, AXES>(s.predicted, m.stride, nodes, v);
@@ -145,8 +145,8 @@ struct Motion {
     void move_others(const Step& step) {
         I64 begin = 0;
         for (I64 run = 0; run < m.runs; run++) {
-            move_nodes(step, begin, m.run_first[run] + 1);
-            begin = m.run_first[run] + m.run_links[run];
+            move_nodes(step, begin, s.run_first[run] + 1);
+            begin = s.run_first[run] + s.run_links[run];
         }
         move_nodes(step, begin, m.nodes);
     }

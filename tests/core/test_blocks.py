@@ -85,8 +85,8 @@ def test_wrong_shape_and_kind_of_numbers_are_refused() -> None:
     model = bridge().model.copy()
     with pytest.raises(RopewalkError, match=r"mobility: shape \(51,\); the structure has \(2, 51\)"):
         model.set(mobility=np.ones(51))
-    with pytest.raises(RopewalkError, match="run_first: numbers of the type float64; it holds int64"):
-        model.set(run_first=np.ones(3))
+    with pytest.raises(RopewalkError, match="joint_copy: numbers of the type float64; it holds int64"):
+        model.set(joint_copy=np.ones(1))
 
 
 @pytest.mark.parametrize("sizes", [{"AXES": 2}, {"AXES": 4, "NODES": 3}, {"AXES": 2, "NODES": 3, "VISCOUS": 2},
@@ -120,9 +120,12 @@ def test_nothing_is_computed_with_blocks_that_are_not_bound() -> None:
     assert library().rw_entries(bound._bases) == -1
 
 
-def test_a_bound_model_cannot_be_changed() -> None:
-    with pytest.raises(ValueError, match="read-only"):
-        rope().model.run_first[0] = 99
+def test_neither_a_bound_model_nor_indices_of_a_state_can_be_changed() -> None:
+    bound = rope()
+    bound.state.position[0, 1] = 2.0
+    for array in (bound.model.mobility, bound.state.run_first):
+        with pytest.raises(ValueError, match="read-only"):
+            array[:] = 99
 
 
 def test_rows_are_aligned_and_the_table_is_complete() -> None:

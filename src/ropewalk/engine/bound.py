@@ -46,7 +46,7 @@ class Bound:
     """Model and State that the core has checked, with a Workspace of their own."""
 
     def __init__(self, model: Block, state: Block) -> None:
-        """Check every number and index once. The arrays of the Model cannot be changed from now on.
+        """Check every number and index once. From now on the Model and indices of the State cannot be changed.
 
         Raises:
             RopewalkError: naming the array and the entry that is wrong.
@@ -61,6 +61,7 @@ class Bound:
             raise RopewalkError(_message(model, state, *finding))
         for block in (model, self.work):
             block.freeze()
+        state.freeze(indices=True)
         self._speed = 0.0  # steps per second
 
     def advance(self, steps: int, dt: float, variant: str | None = None) -> Advance:

@@ -156,10 +156,11 @@ class Builder:
         for k, (run, force, place, speed) in enumerate(self._forces):
             model.contact_run[k], model.contact_force[:, k] = run, force
             state.contact_place[k], state.contact_speed[k] = place, speed
-        runs = [{"first": first, "links": links} | asdict(run) for first, links, run in self._runs]
+        runs = [{"run_first": first, "run_links": links} | asdict(run) for first, links, run in self._runs]
         names = {each.name for each in fields()}
         for name in runs[0] if runs else ():
-            model.set(**{name if name in names else f"run_{name}": [row[name] for row in runs]})
+            block = state if name in state.names() else model
+            block.set(**{name if name in names else f"run_{name}": [row[name] for row in runs]})
         for kind, rows in self._elements.items():
             model.set(**{f"{kind}_{name}": [row[name] for row in rows] for name in rows[0]})
         return model, state
