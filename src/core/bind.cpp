@@ -93,6 +93,20 @@ static Finding check_springs(const Model& m) {
     return {Fault::NONE, 0, 0};
 }
 
+static Finding check_bands(const Model& m) {
+    I64 before = 0;
+    for (I64 k = 0; k < m.bands; k++) {
+        const I64 begin = m.band_begin[k], end = m.band_end[k], springs = m.band_springs[k];
+        const I64 low = begin < end ? begin : end, high = begin < end ? end : begin;
+        if (springs < 1 || springs > m.nodes - high || springs > high - low)
+            return {Fault::BAND, number_of_band_springs, k};
+        if (low < before) return {Fault::BAND, number_of_band_begin, k};
+        if (!m.viscous && m.band_damping[k] > 0.0) return {Fault::UNDAMPED, number_of_band_damping, k};
+        before = low;
+    }
+    return {Fault::NONE, 0, 0};
+}
+
 // Number of the run that a node is inside of, or -1. Runs are in order.
 static I64 run_around(const Model& m, const State& s, I64 node) {
     I64 low = 0, high = m.runs;
@@ -128,6 +142,20 @@ static Finding check_joints(const Model& m, const State& s, Workspace& w) {
     return {Fault::NONE, 0, 0};
 }
 
+// Call visit(node) for all nodes that anything but runs acts on.
+template <class Visit>
+static void visit_attached(const Model& m, const State& s, Visit visit) {
+    for (I64 k = 0; k < m.springs; k++) visit(m.spring_begin[k]), visit(m.spring_end[k]);
+    for (I64 band = 0; band < m.bands; band++)
+        for (I64 k = 0; k < m.band_springs[band]; k++) visit(m.band_begin[band] + k), visit(m.band_end[band] + k);
+    for (I64 j = 0; j < m.joints; j++) visit(m.joint_copy[j]), visit(m.joint_original[j]);
+    for (I64 q = 0; q < m.sheaves; q++) visit(m.sheave_node[q]);
+    visit_others<2>(m, s, [&]<class E>(const auto&, const I64* nodes) {
+        if constexpr (!__is_same(E, OverSheave<2>))
+            for (int i = 0; i < E::UNKNOWNS / 2; i++) visit(nodes[i]);
+    });
+}
+
 // Whether a node may pass a sheave: it is in a run next to it, and not where the rope has its other ends.
 static bool may_pass(const Model& m, const State& s, I64 node) {
     for (I64 q = 0; q < m.sheaves; q++) {
@@ -152,7 +180,8 @@ static Finding check_rope(const Model& m, const State& s, I64 q) {
     const I64 last = s.run_first[run] + s.run_links[run], end = s.run_first[next] + s.run_links[next];
     if (s.run_first[next] != last + 1 || !(m.axial_stiffness[run] > 0.0)) return found;
     const auto differ = [&](const View<const double>& of) { return of[run] != of[next]; };
-    if (differ(m.link_length) || differ(m.axial_stiffness) || differ(m.axial_damping) || differ(m.line_mass)) return found;
+    if (differ(m.link_length) || differ(m.axial_stiffness) || differ(m.axial_damping) || differ(m.line_mass))
+        return found;
     if (m.run_tension_only[run] != m.run_tension_only[next]) return found;
     for (I64 i = s.run_first[run] + 1; i < end; i++) {
         if (!(m.mobility[i] > 0.0 && are_same(m, m.mobility, i, last))) return {Fault::SHEAVE, number_of_mobility, i};
@@ -184,19 +213,14 @@ static Finding check_sheaves(const Model& m, const State& s, Workspace& w) {
         if (const Finding found = check_rope(m, s, q); found.fault != Fault::NONE) return found;
         if (const Finding found = check_split(m, s, w, q); found.fault != Fault::NONE) return found;
     }
-    const auto is_used = [&](I64 node) { return may_pass(m, s, node) || w.force[node] == 2.0; };
-    for (I64 q = 0; q < m.sheaves; q++)
-        if (is_used(m.sheave_node[q])) return {Fault::SHEAVE, number_of_sheave_node, q};
-    for (I64 k = 0; k < m.springs; k++)
-        if (is_used(m.spring_begin[k]) || is_used(m.spring_end[k])) return {Fault::SHEAVE, number_of_spring_begin, k};
-    for (I64 j = 0; j < m.joints; j++)
-        if (may_pass(m, s, m.joint_copy[j]) || is_used(m.joint_original[j]))
-            return {Fault::SHEAVE, number_of_joint_copy, j};
+    I64 used = -1;
+    visit_attached(m, s,
+                   [&](I64 node) { used = used < 0 && (may_pass(m, s, node) || w.force[node] == 2.0) ? node : used; });
     for (I64 k = 0; k < m.contacts; k++)
         for (I64 q = 0; q < m.sheaves; q++)
             if (m.contact_run[k] == m.sheave_run[q] || m.contact_run[k] == m.sheave_run[q] + 1)
                 return {Fault::SHEAVE, number_of_contact_run, k};
-    return {Fault::NONE, 0, 0};
+    return used < 0 ? Finding{Fault::NONE, 0, 0} : Finding{Fault::SHEAVE, number_of_mobility, used};
 }
 
 // Whether all inner nodes of a run have the same mobility and weight.
@@ -213,12 +237,8 @@ static void prepare(const Model& m, const State& s, Workspace& w) {
     for (I64 i = 0; i < SCRATCH_SIZE; i++) w.scratch[i] = 0.0;
     for (I64 r = 0; r < m.runs; r++) w.run_pulled[r] = 0, w.run_uniform[r] = is_uniform(m, s, r);
     for (I64 k = 0; k < m.contacts; k++) w.run_pulled[m.contact_run[k]] = 1;
-    const auto pull = [&](I64 node) {
+    visit_attached(m, s, [&](I64 node) {
         if (const I64 run = run_around(m, s, node); run >= 0) w.run_pulled[run] = 1;
-    };
-    for (I64 k = 0; k < m.springs; k++) pull(m.spring_begin[k]), pull(m.spring_end[k]);
-    visit_others<2>(m, s, [&]<class E>(const auto&, const I64* nodes) {
-        for (int i = 0; i < E::UNKNOWNS / 2; i++) pull(nodes[i]);
     });
 }
 
@@ -238,6 +258,7 @@ Finding bind(const Blocks& blocks, const I64* bytes) {
     for (I64 i = 0; i < m.nodes; i++) w.force[i] = 0.0;
     if (const Finding found = check_runs(m, s); found.fault != Fault::NONE) return found;
     if (const Finding found = check_springs(m); found.fault != Fault::NONE) return found;
+    if (const Finding found = check_bands(m); found.fault != Fault::NONE) return found;
     if (const Finding found = check_joints(m, s, w); found.fault != Fault::NONE) return found;
     if (const Finding found = check_sheaves(m, s, w); found.fault != Fault::NONE) return found;
     prepare(m, s, w);

@@ -181,8 +181,10 @@ _FAULTS = {
     6: "is {value}; a copy is no inner node of a run and no original, is named once, has no mobility, no weight, "
     "and the position and velocity of its original",
     7: "is node {value}, which is the first node of the spring, too",
-    8: "is {value}; a structure with dampers needs VISCOUS = NODES",
-    9: "is {value}; a rope over a sheave is two runs that follow each other, of the same properties and of nodes that are "
+    8: "is {value}; a band has at least one spring, its sides end at node {last} at most and have no node in common, "
+    "and bands are in the order of their lowest nodes",
+    9: "is {value}; a structure with dampers needs VISCOUS = NODES",
+    10: "is {value}; a rope over a sheave is two runs that follow each other, of the same properties and of nodes that are "
     "all the same, to which nothing else is attached; its split is a node that nothing else uses, moves along its first "
     "axis and stands between 0 and two links",
 }

@@ -113,6 +113,19 @@ class Builder:
         self._elements["sheave"].append({"run": run - 1, "node": node, "split": split, "friction": friction})
         return split
 
+    def add_band(self, begin: int, end: int, springs: int, spring: SpringProperties) -> None:
+        """Add equal springs from node `begin + k` to node `end + k`, such as the links between two threads of a net.
+
+        Args:
+            begin: first node on one side.
+            end: first node on the other side.
+            springs: number of springs; the two sides have no node in common.
+            spring: properties of each.
+        """
+        bands = self._elements["band"]
+        bands.append({"begin": begin, "end": end, "springs": springs} | asdict(spring))
+        bands.sort(key=lambda band: min(band["begin"], band["end"]))  # the order of the runs that they reach first
+
     def fix(self, *nodes: int, axes: Iterable[int] | None = None) -> None:
         """Prescribe velocities of nodes along some axes; None: all."""
         for node in nodes:
