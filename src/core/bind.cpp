@@ -213,6 +213,8 @@ static Finding check_sheaves(const Model& m, const State& s, Workspace& w) {
         if (const Finding found = check_rope(m, s, q); found.fault != Fault::NONE) return found;
         if (const Finding found = check_split(m, s, w, q); found.fault != Fault::NONE) return found;
     }
+    for (I64 q = 0; q < m.sheaves; q++)
+        if (w.force[m.sheave_node[q]] != 0.0) return {Fault::SHEAVE, number_of_sheave_node, q};
     I64 used = -1;
     visit_attached(m, s,
                    [&](I64 node) { used = used < 0 && (may_pass(m, s, node) || w.force[node] == 2.0) ? node : used; });

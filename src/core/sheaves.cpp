@@ -8,13 +8,16 @@ namespace RW_VARIANT {
 // A node passes where the piece up to it is shorter than this part of a link. It is less than half, so that a node
 // which has just passed is not about to come back.
 constexpr double CLOSE = 0.4;
+constexpr int ROUNDS = 4;  // in which the mean velocity of a sheave is found
 
-// Potential energy, and kinetic energy of a node.
-static double energy_with(const Model& m, const State& s, const Blocks& blocks, I64 node) {
+// Potential energy, and kinetic energy of a node and its sheave.
+static double energy_with(const Model& m, const State& s, const Blocks& blocks, I64 node, I64 sheave) {
     double energies[2], kinetic = 0.0;
     sum_energies(blocks, energies);
-    for (I64 i = node; i < m.axes * m.stride; i += m.stride)
-        if (m.mobility[i] > 0.0) kinetic += 0.5 * s.velocity[i] * s.velocity[i] / m.mobility[i];
+    for (I64 row = 0; row < m.axes * m.stride; row += m.stride)
+        for (int k = 0; k < 2; k++)
+            if (const I64 i = row + (k ? node : sheave); m.mobility[i] > 0.0)
+                kinetic += 0.5 * s.velocity[i] * s.velocity[i] / m.mobility[i];
     return energies[0] + energies[1] + kinetic;
 }
 
@@ -37,17 +40,28 @@ struct Passage {
         const double inverse = square > 0.0 ? 1.0 / root(square) : 0.0;
         for (I64 axis = 0; axis < m.axes; axis++) way[axis] *= inverse;
     }
-    // The node keeps its speed along the rope, and has that of the straight piece beyond, at a part of it, across.
+    // The node keeps its speed along the rope, and has that of the straight piece beyond, at a part of it, across. Both
+    // are relative to the mean velocity of the sheave, which takes the momentum that the node loses.
     void turn(const View<double>& velocity, double part) const {
-        double along = 0.0, ahead = 0.0;
-        for (I64 axis = 0; axis < m.axes; axis++) {
-            const double* const v = velocity.at(axis * m.stride, m.nodes);
-            along += (v[node] - v[sheave]) * before[axis];
-            ahead += (v[beyond] - v[sheave]) * behind[axis];
+        double momentum[3]{}, turned[3];
+        for (int round = 0; round < ROUNDS; round++) {
+            double along = 0.0, ahead = 0.0, base[3];
+            for (I64 axis = 0; axis < m.axes; axis++) {
+                const I64 row = axis * m.stride;
+                base[axis] = velocity[row + sheave] + 0.5 * m.mobility[row + sheave] * momentum[axis];
+                along += (velocity[row + node] - base[axis]) * before[axis];
+                ahead += (velocity[row + beyond] - base[axis]) * behind[axis];
+            }
+            for (I64 axis = 0; axis < m.axes; axis++) {
+                const I64 row = axis * m.stride;
+                const double across = part * (velocity[row + beyond] - base[axis] - ahead * behind[axis]);
+                turned[axis] = base[axis] + across + along * behind[axis];
+                momentum[axis] = (velocity[row + node] - turned[axis]) / m.mobility[row + node];
+            }
         }
         for (I64 axis = 0; axis < m.axes; axis++) {
-            double* const v = velocity.at(axis * m.stride, m.nodes);
-            v[node] = v[sheave] + part * (v[beyond] - v[sheave]) + (along - part * ahead) * behind[axis];
+            velocity[axis * m.stride + node] = turned[axis];
+            velocity[axis * m.stride + sheave] += m.mobility[axis * m.stride + sheave] * momentum[axis];
         }
     }
     void move(const State& s, double part) const {
@@ -64,14 +78,14 @@ static void pass(const Blocks& blocks, const Model& m, const State& s, I64 q, bo
     double& split = s.position[m.sheave_split[q]];
     const double h = m.link_length[run], piece = on ? 2.0 * h - split : split, part = (piece - h) / piece;
     const I64 node = on ? last : last + 1;
-    const double energy = energy_with(m, s, blocks, node);
+    const double energy = energy_with(m, s, blocks, node, m.sheave_node[q]);
     const Passage passage(m, s, node, m.sheave_node[q], on ? last + 1 : last);
     passage.turn(s.velocity, part);
     if (m.viscous) passage.turn(s.predicted, part);
     passage.move(s, part);
     s.run_links[run] -= way, s.run_links[run + 1] += way, s.run_first[run + 1] -= way;
     split += on ? h : -h;
-    s.sheave_loss[q] += energy - energy_with(m, s, blocks, node);
+    s.sheave_loss[q] += energy - energy_with(m, s, blocks, node, m.sheave_node[q]);
 }
 
 I64 pass_nodes(char* model, char* state) {

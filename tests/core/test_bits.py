@@ -26,6 +26,8 @@ HASHES = {
     "damped tripod": "eb7dd026cbf0b587",
     "net under a force": "97e07dddbf323754",
     "damped free net": "a4d4a63a134f72e5",
+    "over sheaves": "24f00f5b3ef02808",
+    "damped over sheaves in space": "ad295f373eb54e11",
 }
 """Of positions and velocities: of every processor, compiler and variant. New structures add a line."""
 

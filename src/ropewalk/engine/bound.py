@@ -35,7 +35,7 @@ class Potentials(NamedTuple):
 
 
 class SheaveGrips(NamedTuple):
-    """Of each sheave: tensions before and behind it, N, angle by which the rope turns, and the most that friction bears."""
+    """Of each sheave: tensions before and behind it, N, angle of the turn, and the most that friction bears, N."""
 
     before: Array
     behind: Array
@@ -184,9 +184,9 @@ _FAULTS = {
     8: "is {value}; a band has at least one spring, its sides end at node {last} at most and have no node in common, "
     "and bands are in the order of their lowest nodes",
     9: "is {value}; a structure with dampers needs VISCOUS = NODES",
-    10: "is {value}; a rope over a sheave is two runs that follow each other, of the same properties and of nodes that are "
-    "all the same, to which nothing else is attached; its split is a node that nothing else uses, moves along its first "
-    "axis and stands between 0 and two links",
+    10: "is {value}; a rope over a sheave is two runs that follow each other, with the same properties and nodes that "
+    "are all the same, to which nothing else is attached; the sheave is at no copy, and its split is a node of its own, "
+    "which moves along its first axis, between 0 and two links",
 }
 _ADMITTED = {
     "FINITE": "finite numbers", "NOT_NEGATIVE": "finite numbers that are not negative", "POSITIVE": "positive numbers",

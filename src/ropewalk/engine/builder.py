@@ -53,6 +53,7 @@ class Builder:
     _elements: dict[str, list[dict[str, Any]]] = field(default_factory=lambda: defaultdict(list))
     _forces: list[tuple[int, Array, float, float]] = field(default_factory=list)
     _joints: list[tuple[int, int]] = field(default_factory=list)
+    _splits: list[tuple[float, float]] = field(default_factory=list)
 
     def add_node(self, point: ArrayLike, mass: float) -> int:
         """Add a node that is in no run, and return its number.
@@ -91,27 +92,29 @@ class Builder:
         """Add a spring between two nodes."""
         self._elements["spring"].append({"begin": begin, "end": end} | asdict(spring))
 
-    def add_sheave(self, node: int, friction: float = 0.0) -> int:
-        """Let the last two runs be a rope over a sheave, with a link on each side of it; return the node of its split.
+    def add_sheave(self, node: int, friction: float = 0.0, split: float | None = None) -> None:
+        """Let the last two runs be a rope over a sheave, two links longer than they are; it may go on over another one.
 
-        The rope is two links longer than both runs. They have the same properties, and nothing else is added to them
-        but at the other ends of the rope.
+        Both have the same properties, and nothing else is added to them but at the other ends of the rope.
 
         Args:
             node: that the sheave is at; it bears the weight of a link.
             friction: coefficient.
+            split: unstrained length from the first of them to the sheave, m; None: a link.
         """
         run = len(self._runs) - 1
         first, _, rope = self._runs[run]
         mass = rope.line_mass * rope.link_length
-        for end in (first - 1, first):
-            self.add_mass(end, 0.5 * mass)
-        self.add_mass(node, mass)
-        split = self.add_node([rope.link_length] + [0.0] * (self.axes - 1), 0.0)
-        self._added.append((split, mass))
-        self.fix(split, axes=range(1, self.axes))
-        self._elements["sheave"].append({"run": run - 1, "node": node, "split": split, "friction": friction})
-        return split
+        for at, part in ((first - 1, 0.5), (first, 0.5), (node, 1.0)):
+            self.add_mass(at, part * mass)
+        self._splits.append((rope.link_length if split is None else split, mass))
+        self._elements["sheave"].append({"run": run - 1, "node": node, "friction": friction})
+
+    def _add_splits(self) -> None:
+        """Add the nodes of splits behind all others, as runs of a rope follow each other."""
+        for sheave, (split, mass) in zip(self._elements.get("sheave", ()), self._splits, strict=True):
+            sheave["split"] = self.add_node([split] + [0.0] * (self.axes - 1), mass)
+            self.fix(sheave["split"], axes=range(1, self.axes))
 
     def add_band(self, begin: int, end: int, springs: int, spring: SpringProperties) -> None:
         """Add equal springs from node `begin + k` to node `end + k`, such as the links between two threads of a net.
@@ -153,6 +156,7 @@ class Builder:
         Raises:
             RopewalkError: a node that is not fixed has no mass.
         """
+        self._add_splits()
         points, masses = np.concatenate(self._points, axis=1), np.concatenate(self._masses)
         damped = any(each.axial_damping for *_, each in self._runs)
         damped |= any(each.get("damping", 0.0) > 0.0 for rows in self._elements.values() for each in rows)

@@ -9,7 +9,7 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 from scipy.sparse.linalg import SuperLU, splu
 
-from ropewalk.engine.bound import Bound
+from ropewalk.engine.bound import Bound, TangentMatrices
 
 Array = NDArray[np.float64]
 TOLERANCE = 1e-11
@@ -37,19 +37,20 @@ class SearchOutcome(NamedTuple):
     """Largest force that is not balanced, N."""
 
 
-def find_equilibrium(bound: Bound, iterations: int = 200) -> SearchOutcome:
+def find_equilibrium(bound: Bound, iterations: int = 200, friction: Array | None = None) -> SearchOutcome:
     """Move the State to an equilibrium nearby, and set its velocities to zero.
 
     Args:
         bound: structure; positions of its State are where the search begins.
         iterations: largest number of steps of Newton's method.
+        friction: (sheave,) N, forces on splits of ropes over sheaves; not a number: the rope sticks. None: no forces.
     """
-    state = bound.state
+    state, begun = bound.state, 0
+    forces = np.zeros(bound.model.sheave_split.size) if friction is None else friction
     state.velocity[:] = state.predicted[:] = state.lag[:] = 0.0
-    begun = 0
-    if not bound.model.run_tension_only.all() and not _is_stable(bound):
-        begun = _search(_relaxed(bound), iterations, RELAXED).iterations
-    found = _search(bound, iterations, TOLERANCE)
+    if not bound.model.run_tension_only.all() and not Search(bound, forces).is_stable():
+        begun = Search(_relaxed(bound), forces).run(iterations, RELAXED).iterations
+    found = Search(bound, forces).run(iterations, TOLERANCE)
     return found._replace(iterations=begun + found.iterations)
 
 
@@ -66,53 +67,64 @@ def _relaxed(bound: Bound) -> Bound:
     return Bound(model, bound.state)
 
 
-def _is_stable(bound: Bound) -> bool:
-    free = bound.unknowns()
-    return _factor((free.T @ bound.linearise().stiffness @ free).tocsc(), 0.0) is not None
+class Search:
+    """Newton's method for the free coordinates of a structure."""
 
+    def __init__(self, bound: Bound, friction: Array) -> None:
+        self.bound, self.position = bound, bound.state.position
+        splits, sticks = bound.model.sheave_split, np.isnan(friction)
+        self.push = np.zeros(self.position.shape)
+        self.push[0, splits] = np.where(sticks, 0.0, friction)
+        moves = ~np.isin(np.flatnonzero(bound.model.mobility), splits[sticks])
+        self.free = bound.unknowns()[:, moves]
 
-def _search(bound: Bound, iterations: int, tolerance: float) -> SearchOutcome:
-    state, free = bound.state, bound.unknowns()
-    for count in range(iterations + 1):
-        at = bound.linearise()
-        residual, stiffness = free.T @ at.forces.ravel(), (free.T @ at.stiffness @ free).tocsc()
-        largest = float(np.abs(residual).max(initial=0.0))
-        rounding = _DIGITS * float((abs(at.stiffness) @ np.abs(state.position).ravel()).max())
-        if largest <= max(tolerance, min(rounding / (scale := float(np.abs(at.forces).max())), _LARGEST)) * scale:
-            stable = residual.size == 0 or _factor(stiffness, 0.0) is not None
-            return SearchOutcome("found" if stable else "unstable", count, largest)
-        if count == iterations or not _descend(bound, free, residual, stiffness):
-            break
-        bound.pass_nodes()
-    return SearchOutcome("not found", count, largest)
+    def stiffness(self, at: TangentMatrices) -> sparse.csc_matrix:
+        """Return K of the free coordinates."""
+        return (self.free.T @ at.stiffness @ self.free).tocsc()
 
+    def is_stable(self) -> bool:
+        """Whether the stiffness is positive definite."""
+        return _factor(self.stiffness(self.bound.linearise()), 0.0) is not None
 
-def _descend(bound: Bound, free: sparse.csc_matrix, residual: Array, stiffness: sparse.csc_matrix) -> bool:
-    """Take a step along which the energy decreases; False if there is none."""
-    shift, begin = 0.0, bound.state.position.copy()
-    model = bound.model  # where nothing is taut, as stiff as if it were
-    largest = float(max(abs(stiffness.diagonal()).max(), (model.axial_stiffness / model.link_length).max(initial=0.0)))
-    energy = _energy(bound)
-    while shift < 1e3 * largest:
-        factors = _factor(stiffness, shift)
-        if factors is not None:
-            step = factors.solve(residual)
-            slope, part = float(residual @ step), 1.0
-            while part > 1e-3:
-                bound.state.position[:] = begin + part * (free @ step).reshape(begin.shape)
-                allowed = _ROUNDING * max(abs(energy), slope)
-                if _energy(bound) <= energy - 1e-4 * part * slope + allowed:
-                    return True
-                part *= 0.5
-        shift = max(1e-6 * largest, 4.0 * shift)
-    bound.state.position[:] = begin
-    return False
+    def energy(self) -> float:
+        """Return the potential energy, J."""
+        found = self.bound.potentials()
+        return found.elastic + found.weight - float((self.push * self.position).sum())
 
+    def run(self, iterations: int, tolerance: float) -> SearchOutcome:
+        """Search until the residual over the largest force is small, or as small as digits of positions allow."""
+        for count in range(iterations + 1):
+            at = self.bound.linearise()
+            residual, stiffness = self.free.T @ (at.forces + self.push).ravel(), self.stiffness(at)
+            largest, scale = float(np.abs(residual).max(initial=0.0)), float(np.abs(at.forces).max())
+            rounding = _DIGITS * float((abs(at.stiffness) @ np.abs(self.position).ravel()).max())
+            if largest <= max(tolerance * scale, min(rounding, _LARGEST * scale)):
+                stable = residual.size == 0 or _factor(stiffness, 0.0) is not None
+                return SearchOutcome("found" if stable else "unstable", count, largest)
+            if count == iterations or not self.descend(residual, stiffness):
+                break
+            self.bound.pass_nodes()
+        return SearchOutcome("not found", count, largest)
 
-def _energy(bound: Bound) -> float:
-    """Return the potential energy, J."""
-    found = bound.potentials()
-    return found.elastic + found.weight
+    def descend(self, residual: Array, stiffness: sparse.csc_matrix) -> bool:
+        """Take a step along which the energy decreases; False if there is none."""
+        shift, begin, model = 0.0, self.position.copy(), self.bound.model
+        taut = (model.axial_stiffness / model.link_length).max(initial=0.0)  # as stiff where nothing is
+        largest, energy = float(max(abs(stiffness.diagonal()).max(), taut)), self.energy()
+        while shift < 1e3 * largest:
+            factors = _factor(stiffness, shift)
+            if factors is not None:
+                step = factors.solve(residual)
+                slope, part = float(residual @ step), 1.0
+                while part > 1e-3:
+                    self.position[:] = begin + part * (self.free @ step).reshape(begin.shape)
+                    allowed = _ROUNDING * max(abs(energy), slope)
+                    if self.energy() <= energy - 1e-4 * part * slope + allowed:
+                        return True
+                    part *= 0.5
+            shift = max(1e-6 * largest, 4.0 * shift)
+        self.position[:] = begin
+        return False
 
 
 def _factor(stiffness: sparse.csc_matrix, shift: float) -> SuperLU | None:
