@@ -185,8 +185,8 @@ _FAULTS = {
     "and bands are in the order of their lowest nodes",
     9: "is {value}; a structure with dampers needs VISCOUS = NODES",
     10: "is {value}; a rope over a sheave is two runs that follow each other, with the same properties and nodes that "
-    "are all the same, to which nothing else is attached; the sheave is at no copy, and its split is a node of its own, "
-    "which moves along its first axis, between 0 and two links",
+    "are all the same, to which nothing else is attached; the sheave is at no copy, and its split is a node of its "
+    "own, which moves along its first axis, between 0 and two links",
 }
 _ADMITTED = {
     "FINITE": "finite numbers", "NOT_NEGATIVE": "finite numbers that are not negative", "POSITIVE": "positive numbers",

@@ -21,7 +21,7 @@ _ROUNDING = 1e-13
 
 _DIGITS = 4e-16
 """Of positions, which forces cannot be nearer than."""
-_LARGEST = 1e-8
+_LARGEST = 1e-6
 """Tolerance that rounding may make of a smaller one."""
 
 _SHAKE = 1e-3
@@ -48,21 +48,17 @@ def find_equilibrium(bound: Bound, iterations: int = 200, friction: Array | None
     state, begun = bound.state, 0
     forces = np.zeros(bound.model.sheave_split.size) if friction is None else friction
     state.velocity[:] = state.predicted[:] = state.lag[:] = 0.0
-    if not bound.model.run_tension_only.all() and not Search(bound, forces).is_stable():
+    search = Search(bound, forces)
+    if not bound.model.run_tension_only.all() and not search.is_stable():
+        search.shake()
         begun = Search(_relaxed(bound), forces).run(iterations, RELAXED).iterations
-    found = Search(bound, forces).run(iterations, TOLERANCE)
+    found = search.run(iterations, TOLERANCE)
     return found._replace(iterations=begun + found.iterations)
 
 
 def _relaxed(bound: Bound) -> Bound:
-    """Return the same State with runs without bending stiffness that do not push: their energy is convex.
-
-    Nodes are shaken a little, as a straight line that is too long balances on its tip.
-    """
-    model, draw = bound.model.copy(), np.random.default_rng(0)
-    shaken = _SHAKE * float(model.link_length.min()) * draw.normal(size=bound.state.position.size)
-    free = bound.unknowns()
-    bound.state.position += (free @ (free.T @ shaken)).reshape(bound.state.position.shape)
+    """Return the same State with runs without bending stiffness that do not push: their energy is convex."""
+    model = bound.model.copy()
     model.run_tension_only[bound.model.bending_stiffness == 0.0] = 1
     return Bound(model, bound.state)
 
@@ -77,10 +73,18 @@ class Search:
         self.push[0, splits] = np.where(sticks, 0.0, friction)
         moves = ~np.isin(np.flatnonzero(bound.model.mobility), splits[sticks])
         self.free = bound.unknowns()[:, moves]
+        self.longest = np.full(self.position.shape, np.ptp(self.position, axis=1).max())  # step, m
+        self.longest[0, splits] = 0.5 * bound.model.link_length[bound.model.sheave_run]
 
     def stiffness(self, at: TangentMatrices) -> sparse.csc_matrix:
         """Return K of the free coordinates."""
         return (self.free.T @ at.stiffness @ self.free).tocsc()
+
+    def shake(self) -> None:
+        """Move nodes a little, as a straight line that is too long balances on its tip."""
+        size = _SHAKE * float(self.bound.model.link_length.min())
+        shaken = self.free @ (size * np.random.default_rng(0).normal(size=self.free.shape[1]))
+        self.position += shaken.reshape(self.position.shape)
 
     def is_stable(self) -> bool:
         """Whether the stiffness is positive definite."""
@@ -115,9 +119,10 @@ class Search:
             factors = _factor(stiffness, shift)
             if factors is not None:
                 step = factors.solve(residual)
-                slope, part = float(residual @ step), 1.0
+                way = (self.free @ step).reshape(begin.shape)
+                slope, part = float(residual @ step), float(np.all(np.abs(way) <= self.longest))
                 while part > 1e-3:
-                    self.position[:] = begin + part * (self.free @ step).reshape(begin.shape)
+                    self.position[:] = begin + part * way
                     allowed = _ROUNDING * max(abs(energy), slope)
                     if self.energy() <= energy - 1e-4 * part * slope + allowed:
                         return True
