@@ -36,7 +36,7 @@ constexpr I64 COUNT = 1;
 #endif
 
 // Version of the interface: a library of another one is not used.
-RW_EXPORT I64 rw_version() { return 2; }
+RW_EXPORT I64 rw_version() { return 3; }
 
 // Number of the largest variant that runs here: 0 baseline, 1 AVX2, 2 AVX-512.
 RW_EXPORT I64 rw_best_variant() {
@@ -73,10 +73,14 @@ RW_EXPORT I64 rw_bind(char* const* bases, const I64* bytes, I64* finding) {
 
 // Functions below return -1 if blocks have not been bound, or there is no such variant here.
 
-// Take steps of dt s; returns 0, 1 if `stop` was set and 2 if positions are no numbers any more.
-RW_EXPORT I64 rw_advance(I64 variant, char* const* bases, I64 steps, double dt, const volatile I32* stop, I64* done) {
+// Take steps of dt s as the only thread, or as one of as many as the structure has parts, which all call at once;
+// returns 0, 1 if `stop` was set and 2 if positions are no numbers any more.
+RW_EXPORT I64 rw_advance(I64 variant, char* const* bases, I64 thread, I64 threads, I64 steps, double dt,
+                         const volatile I32* stop, I64* done) {
     if (variant < 0 || variant >= COUNT || !has(variant) || !baseline::are_bound(blocks_of(bases))) return -1;
-    return VARIANTS[variant]->advance(bases[0], bases[1], bases[2], steps, dt, stop, done);
+    const I64 parts = blocks_of(bases).model.header().counts[baseline::PARTS];
+    if ((threads != 1 && threads != parts) || thread < 0 || thread >= threads) return -1;
+    return VARIANTS[variant]->advance(bases, thread, threads, steps, dt, stop, done);
 }
 
 RW_EXPORT I64 rw_forces(char* const* bases, const double* velocities, double* forces) {
