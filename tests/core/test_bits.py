@@ -24,6 +24,8 @@ HASHES = {
     "bridge under a force": "dbf7ae0bc2112477",
     "tripod": "ba481401520e0ea1",
     "damped tripod": "eb7dd026cbf0b587",
+    "free play": "6bbb3651fc1d8dfc",
+    "damped free play in space": "b9c4872f0e615454",
 }
 """Of positions and velocities: of every processor, compiler and variant. New structures add a line."""
 
