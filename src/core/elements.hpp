@@ -31,7 +31,8 @@ struct FreePlay {
 
 // Call visit<E>(parameters, nodes) for every element E between single nodes but springs.
 template <int AXES, class Visit>
-void visit_others(const Model& m, Visit visit) {
+void visit_others(const Model& m, const State& s, Visit visit) {
+    (void)s;  // links of runs that move are in the State
     for (I64 k = 0; k < m.counts[PLAYS]; k++) {
         const double shortest = m.play_shortest[k];
         const FreePlay<AXES> p{m.play_stiffness[k], shortest, shortest + m.play_width[k]};

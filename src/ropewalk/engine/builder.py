@@ -104,6 +104,19 @@ class Builder:
         """Add a spring with free play between two nodes."""
         self._elements["play"].append({"begin": begin, "end": end} | asdict(play))
 
+    def add_band(self, begin: int, end: int, springs: int, spring: SpringProperties) -> None:
+        """Add equal springs from node `begin + k` to node `end + k`, such as the links between two threads of a net.
+
+        Args:
+            begin: first node on one side.
+            end: first node on the other side.
+            springs: number of springs; the two sides have no node in common.
+            spring: properties of each.
+        """
+        bands = self._elements["band"]
+        bands.append({"begin": begin, "end": end, "springs": springs} | asdict(spring))
+        bands.sort(key=lambda band: min(band["begin"], band["end"]))  # the order of the runs that they reach first
+
     def fix(self, *nodes: int, axes: Iterable[int] | None = None) -> None:
         """Prescribe velocities of nodes along some axes; None: all."""
         for node in nodes:
@@ -156,10 +169,11 @@ class Builder:
         for k, (run, force, place, speed) in enumerate(self._forces):
             model.contact_run[k], model.contact_force[:, k] = run, force
             state.contact_place[k], state.contact_speed[k] = place, speed
-        runs = [{"first": first, "links": links} | asdict(run) for first, links, run in self._runs]
+        runs = [{"run_first": first, "run_links": links} | asdict(run) for first, links, run in self._runs]
         names = {each.name for each in fields()}
         for name in runs[0] if runs else ():
-            model.set(**{name if name in names else f"run_{name}": [row[name] for row in runs]})
+            block = state if name in state.names() else model
+            block.set(**{name if name in names else f"run_{name}": [row[name] for row in runs]})
         for kind, rows in self._elements.items():
             model.set(**{f"{kind}_{name}": [row[name] for row in rows] for name in rows[0]})
         return model, state
