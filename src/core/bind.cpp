@@ -91,6 +91,8 @@ static Finding check_springs(const Model& m) {
         if (m.spring_begin[k] == m.spring_end[k]) return {Fault::SPRING, number_of_spring_end, k};
         if (!m.viscous && m.spring_damping[k] > 0.0) return {Fault::UNDAMPED, number_of_spring_damping, k};
     }
+    for (I64 k = 0; k < m.counts[PLAYS]; k++)
+        if (m.play_begin[k] == m.play_end[k]) return {Fault::SPRING, number_of_play_end, k};
     return {Fault::NONE, 0, 0};
 }
 

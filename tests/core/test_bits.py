@@ -26,6 +26,8 @@ HASHES = {
     "bridge under a force": "dbf7ae0bc2112477",
     "tripod": "ba481401520e0ea1",
     "damped tripod": "eb7dd026cbf0b587",
+    "free play": "6bbb3651fc1d8dfc",
+    "damped free play in space": "b9c4872f0e615454",
     "net under a force": "97e07dddbf323754",
     "damped free net": "a4d4a63a134f72e5",
 }

@@ -39,6 +39,15 @@ class SpringProperties:
     tension_only: bool = False
 
 
+@dataclass(frozen=True)
+class FreePlayProperties:
+    """Properties of a spring with free play: without force at lengths from `shortest` to `shortest + width`."""
+
+    stiffness: float
+    shortest: float
+    width: float
+
+
 @dataclass
 class Builder:
     """Collects the parts of a structure in space or in a vertical plane; the last axis is upwards."""
@@ -90,6 +99,10 @@ class Builder:
     def add_spring(self, begin: int, end: int, spring: SpringProperties) -> None:
         """Add a spring between two nodes."""
         self._elements["spring"].append({"begin": begin, "end": end} | asdict(spring))
+
+    def add_free_play(self, begin: int, end: int, play: FreePlayProperties) -> None:
+        """Add a spring with free play between two nodes."""
+        self._elements["play"].append({"begin": begin, "end": end} | asdict(play))
 
     def add_band(self, begin: int, end: int, springs: int, spring: SpringProperties) -> None:
         """Add equal springs from node `begin + k` to node `end + k`, such as the links between two threads of a net.
