@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from core_structures import bridge, net, over_sheaves, rope
+from core_structures import STRUCTURES, bridge, net, rope
 from ropewalk.engine.bound import Bound
 from ropewalk.engine.library import library
 from ropewalk.engine.model import Block, dimensions, fields
@@ -59,6 +59,7 @@ def test_spoilt_entry_is_refused_by_name(name: str, entry: Any, value: float, me
     ("band_springs", 3, 6, "band_springs[3] is 6; a band"), ("band_end", 2, 13, "band_springs[2] is 4; a band"),
     ("band_springs", 1, 7, "band_springs[1] is 7; a band"), ("band_begin", 3, 5, "band_begin[3] is 5; a band"),
     ("band_end", 3, 30, "band_end[3] is node 30; nodes are 0 to 29"),
+    ("part_run", 0, 1, "part_run[0] is 1; the first part begins at run 0, others at ascending runs"),
     ("band_damping", 1, 2.0, "band_damping[1] is 2.0; a structure with dampers needs VISCOUS = NODES"),
 ])  # fmt: skip
 def test_spoilt_band_is_refused_by_name(name: str, entry: int, value: float, message: str) -> None:
@@ -70,11 +71,11 @@ def test_spoilt_band_is_refused_by_name(name: str, entry: int, value: float, mes
 
 
 def test_every_field_is_checked_for_numbers() -> None:
+    kinds = [make() for make in STRUCTURES.values()]
     for field in fields():
-        others = {"BANDS": net, "SHEAVES": over_sheaves}
-        sound = others[field.columns]() if field.columns in others else bridge(damping=1.0, force=-5.0)
         if field.part == "WORK":
             continue
+        sound = next(each for each in kinds if all(each.model.sizes[name] for name in (field.rows, field.columns)))
         model, state = sound.model.copy(), sound.state.copy()
         view = getattr(model if field.part == "MODEL" else state, field.name)
         view.flat[view.size - 1] = np.nan if field.kind == "double" else -1

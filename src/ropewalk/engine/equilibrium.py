@@ -73,7 +73,7 @@ class Search:
         self.push[0, splits] = np.where(sticks, 0.0, friction)
         moves = ~np.isin(np.flatnonzero(bound.model.mobility), splits[sticks])
         self.free = bound.unknowns()[:, moves]
-        self.longest = np.full(self.position.shape, np.ptp(self.position, axis=1).max())  # step, m
+        self.longest = np.full(self.position.shape, np.ptp(self.position, axis=1).max() or 1.0)  # step, m
         self.longest[0, splits] = 0.5 * bound.model.link_length[bound.model.sheave_run]
 
     def stiffness(self, at: TangentMatrices) -> sparse.csc_matrix:
@@ -114,7 +114,7 @@ class Search:
         """Take a step along which the energy decreases; False if there is none."""
         shift, begin, model = 0.0, self.position.copy(), self.bound.model
         taut = (model.axial_stiffness / model.link_length).max(initial=0.0)  # as stiff where nothing is
-        largest, energy = float(max(abs(stiffness.diagonal()).max(), taut)), self.energy()
+        largest, energy = float(max(abs(stiffness.diagonal()).max(), taut)) or 1.0, self.energy()
         while shift < 1e3 * largest:
             factors = _factor(stiffness, shift)
             if factors is not None:
