@@ -21,7 +21,6 @@ def reactions(chord: Chord, gravity: Array, moved: Array, rate: Array, place: Ar
     """Return the forces of both supports on the line, (instant, end, axis) N.
 
     Args:
-        chord: the line, hinged at both ends.
         gravity: (axis,) m/s^2.
         moved, rate: (instant, node, axis) m from rest and m/s, at nodes at equal distances.
         place: (instant, load) m along the chord, NaN off the line.

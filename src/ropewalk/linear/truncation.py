@@ -17,9 +17,7 @@ def truncation_errors(chord: Chord, links: int, modes: int, place: Array, force:
     """Return by how much the missing modes change the largest static values anywhere on a line, as parts of these.
 
     Args:
-        chord: the line.
         links: between its nodes, at which values are compared.
-        modes: number of those that are kept.
         place: (instant, load) m along the chord, NaN off the line.
         force: (instant, load) N across it.
     """
@@ -48,7 +46,6 @@ def truncation_warning(name: str, chord: Chord, links: int, modes: int, place: A
     """Return a warning of a line whose modes are too few for some quantity; empty where there is none.
 
     Args:
-        name: of the line.
         chord, links, modes, place, force: see `truncation_errors`.
     """
     errors = truncation_errors(chord, links, modes, place, force)

@@ -119,9 +119,6 @@ def tabulate(
 
     Returns:
         Times (n,) and values (n,) or (n, component).
-
-    Raises:
-        ValueError: the callable gives something that is not finite.
     """
 
     def value(t: float) -> NDArray[np.float64]:

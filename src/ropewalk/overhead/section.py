@@ -91,11 +91,7 @@ class Section:
 
 
 def section_of(name: str, line: OverheadLine, gravity: float = 9.81) -> Section:
-    """Find the rest of an overhead line as declared, its droppers' lengths or, where these are given, its heights.
-
-    Raises:
-        EquilibriumError: it cannot rest as wanted, or not with the given lengths.
-    """
+    """Find the rest of an overhead line as declared, its droppers' lengths or, where these are given, its heights."""
     supports, view = np.array(stations_of(line)), plan_view_of(line)
     task = _task(name, line, gravity, supports, view)
     given = line.dropper_lengths
@@ -143,7 +139,6 @@ def elasticity(
     """Static rise of the contact wire per force, droppers slackening as they are relieved.
 
     Args:
-        section: the line at rest.
         force: upwards on the contact wire, N.
         span: counted from 1 (default: the middle one), of which 25 stations are taken.
         stations: where instead, m.

@@ -19,9 +19,6 @@ def deflect(setting: PreparedRun, state: ChainState, start: Start) -> None:
     Args:
         setting, state: the model and its state of rest; the state is changed.
         start: the mode; all lines have it, or the one that it names.
-
-    Raises:
-        EquilibriumError: a line is too slack for the mode.
     """
     assert start.amplitude is not None
     for s, name in enumerate(setting.lines):
@@ -63,9 +60,6 @@ def _evenly_stretched(r: Array, across: Array, chord: Array) -> Array:
         r: (axis, node) m, at rest.
         across: (axis, node) m, deflections across the chord, 0 at both ends.
         chord: (axis,) unit vector from end to end.
-
-    Raises:
-        ValueError: some link would have to turn back, or runs straight across the chord.
     """
     links = np.diff(r, axis=1)
     length, sideways = np.sqrt((links**2).sum(axis=0)), links - np.outer(chord, chord @ links) + np.diff(across, axis=1)

@@ -39,13 +39,8 @@ def stand_while_ties_fail(bearing: Bearing, t: float, near: Array, before: tuple
     What was cut up to then fails first; then that which bears most of its strength, as long as it bears more than all.
 
     Args:
-        bearing: of the wires and what travels.
         t: s.
         near: (3, node) m, a shape close by.
-        before: what has failed on the way here.
-
-    Raises:
-        EquilibriumError: there is no rest, with what is left.
     """
     ties, failures = bearing.mesh.ties, before
     failed = np.zeros(ties.length.size, dtype=np.bool_)

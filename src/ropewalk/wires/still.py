@@ -21,10 +21,6 @@ from ropewalk.wires.task import WireTask, ready
 class WireStatics:
     """A run without inertia: its layout, and its frames one after the other.
 
-    Args:
-        task: what is computed.
-        run_info: filled in.
-
     Raises:
         RopewalkError: there is no rest without loads.
     """
@@ -54,7 +50,6 @@ class WireStatics:
         """Yield frames at equal steps of the load path, until all loads have left their lines or stopped.
 
         Args:
-            positions: how many.
             turn: rad, see `solve/following.py`.
 
         Raises:

@@ -10,11 +10,7 @@ from ropewalk.system.elements.sheaves import pass_nodes_entry
 
 
 class AtSheaves:
-    """Nodes and loads of a system that come to sheaves.
-
-    Args:
-        system: what moves.
-    """
+    """Nodes and loads of a system that come to sheaves."""
 
     def __init__(self, system: System) -> None:
         self._system = system

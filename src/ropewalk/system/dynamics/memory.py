@@ -22,11 +22,7 @@ _ROUNDS, _FOUND = 20, 1e-13
 
 
 class Memory:
-    """What is kept in mind of the beginning of a step.
-
-    Args:
-        system: what moves.
-    """
+    """What is kept in mind of the beginning of a step."""
 
     def __init__(self, system: System) -> None:
         self._system, runs = system, system.structure.runs

@@ -11,11 +11,7 @@ from ropewalk.system.dynamics.carrier import System
 
 
 class RoughGround:
-    """The coordinates of a system that rough ground moves up and down, until a contact comes or leaves.
-
-    Args:
-        system: what moves.
-    """
+    """The coordinates of a system that rough ground moves up and down, until a contact comes or leaves."""
 
     def __init__(self, system: System) -> None:
         self._system, contacts = system, system.contacts

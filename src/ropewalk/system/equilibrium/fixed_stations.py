@@ -10,11 +10,7 @@ from ropewalk.system.equilibrium.split_lines import SplitRest
 
 
 class FixedStations:
-    """The nodes and links of a result.
-
-    Args:
-        layout: of the result.
-    """
+    """The nodes and links of a result."""
 
     def __init__(self, layout: Layout) -> None:
         self.layout = layout
@@ -28,11 +24,6 @@ class FixedStations:
         """Places of nodes (node, axis) in m, tensions (link,) in N and strains (link,) of links.
 
         Nodes are those of the curve through the nodes of a run, links have what these have in their middles.
-
-        Args:
-            rest: of the lines.
-            own: its frame.
-            other: the layout of that.
         """
         n, links = len(self.layout.node_line), len(self.layout.link_line)
         position, axial = np.empty((n, rest.r.shape[0])), np.empty((2, links))

@@ -50,12 +50,8 @@ def settle_after(potential: SystemPotential, settle: Callable[[Array], Array], s
 
     Args:
         potential: of the structure; what links keep in mind there changes.
-        settle: finds the rest of links that keep it.
         shape: see `SystemPotential`.
         before: (2, node) what links had in mind at the rest before, N, and their strains there.
-
-    Raises:
-        EquilibriumError: there is none.
     """
     lag, runs = potential.buffers.lag, potential.structure.runs
     lag[:] = before

@@ -22,15 +22,7 @@ LONG = 0.2
 
 
 class ContactDoubts:
-    """What has been said of the contacts of a motion, and what is counted before it is.
-
-    Args:
-        loading: its loads.
-        contacts: their records.
-        structure: what they are on.
-        run_info: takes doubts and warnings.
-        instants: how many output instants there are.
-    """
+    """What has been said of the contacts of a motion, and what is counted before it is."""
 
     def __init__(
         self, loading: Loading, contacts: Any, structure: Structure, run_info: RunInfo,

@@ -23,9 +23,7 @@ class TiesAboutRest:
     """All ties of a structure, and which of them would have slackened or gripped.
 
     Args:
-        ties: of the structure.
         rest: (axis, node) m.
-        attached: what results call them.
     """
 
     def __init__(self, ties: Ties, rest: Array, attached: Attached) -> None:
