@@ -44,13 +44,9 @@ class Reached(Generic[S]):
 
 
 def follow(
-    here: P,
-    step: Callable[[P, P | None, float], P],
-    is_fine: Callable[[P | None, P, P], bool],
-    regular: Array,
-    *,
+    here: P, step: Callable[[P, P | None, float], P], is_fine: Callable[[P | None, P, P], bool], regular: Array, *,
     between: bool,
-) -> Iterator[P]:
+) -> Iterator[P]:  # fmt: skip
     """Yield equilibria at regular positions, after the first one.
 
     Args:
@@ -88,13 +84,9 @@ def follow(
 
 
 def quasistatic_motion(
-    rest: Callable[[float, S | None], S],
-    contacts: Callable[[S], Array],
-    times: Array,
-    paths: Array,
-    positions: int,
+    rest: Callable[[float, S | None], S], contacts: Callable[[S], Array], times: Array, paths: Array, positions: int,
     turn: float | None,
-) -> Iterator[Reached[S]]:
+) -> Iterator[Reached[S]]:  # fmt: skip
     """Yield equilibria at equal steps of the load path.
 
     Args:

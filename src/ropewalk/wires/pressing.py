@@ -34,15 +34,9 @@ class Pressing:
 
 
 def pressing(
-    prescribed_motions: Sequence[PrescribedMotion],
-    moving_loads: MovingLoads,
-    t: float,
-    local: Array,
-    rough: Array,
-    aside: Array,
-    on: NDArray[np.bool_],
-    ground: Array,
-) -> Pressing:
+    prescribed_motions: Sequence[PrescribedMotion], moving_loads: MovingLoads, t: float, local: Array, rough: Array,
+    aside: Array, on: NDArray[np.bool_], ground: Array,
+) -> Pressing:  # fmt: skip
     """How loads press at an instant.
 
     Args:
