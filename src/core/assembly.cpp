@@ -1,5 +1,6 @@
 #include "assembly.hpp"
 
+#include "elements.hpp"
 #include "link.hpp"
 #include "stencil.hpp"
 
@@ -7,10 +8,10 @@ namespace RW_VARIANT {
 
 // Call visit<E>(parameters, nodes) for every element E of a model.
 template <int AXES, class Visit>
-static void visit_elements(const Model& m, Visit visit) {
+static void visit_elements(const Model& m, const State& s, Visit visit) {
     for (I64 r = 0; r < m.runs; r++) {
         Links p = links_of(m, r);
-        const I64 first = m.run_first[r], last = first + m.run_links[r];
+        const I64 first = s.run_first[r], last = first + s.run_links[r];
         for (I64 i = first; i < last; i++) {
             p.begins = i == first, p.ends = i + 1 == last;
             const I64 nodes[] = {p.begins ? i : i - 1, i, i + 1, p.ends ? i + 1 : i + 2};
@@ -27,16 +28,14 @@ static void visit_elements(const Model& m, Visit visit) {
         const I64 nodes[] = {m.spring_begin[k], m.spring_end[k]};
         visit.template operator()<Straight<AXES>>(p, nodes);
     }
-}
-
-// Values (axis, node) of an array with rows of so many numbers at the nodes of an element.
-template <class E, int AXES>
-static void gather(const double* from, I64 stride, const I64* nodes, double* values) {
-    for (int i = 0; i < E::UNKNOWNS; i++) values[i] = from[i % AXES * stride + nodes[i / AXES]];
-}
-template <class E, int AXES>
-static void scatter(const double* values, I64 stride, const I64* nodes, double* to) {
-    for (int i = 0; i < E::UNKNOWNS; i++) to[i % AXES * stride + nodes[i / AXES]] += values[i];
+    for (I64 band = 0; band < m.bands; band++) {
+        const Axial<double> p = springs_of(m, band);
+        for (I64 k = 0; k < m.band_springs[band]; k++) {
+            const I64 nodes[] = {m.band_begin[band] + k, m.band_end[band] + k};
+            visit.template operator()<Straight<AXES>>(p, nodes);
+        }
+    }
+    visit_others<AXES>(m, s, visit);
 }
 
 // Weights of nodes, and the forces of loads where their contacts are.
@@ -62,9 +61,9 @@ struct Assembly {
 
     void forces(const double* velocities, double* forces) const {
         set_loads(m, s, forces);
-        visit_elements<AXES>(m, [&]<class E>(const auto& p, const I64* nodes) {
+        visit_elements<AXES>(m, s, [&]<class E>(const auto& p, const I64* nodes) {
             double x[E::UNKNOWNS], v[E::UNKNOWNS], f[E::UNKNOWNS]{};
-            gather<E, AXES>(s.position.data, m.stride, nodes, x);
+            gather<E, AXES>(s.position, m.stride, nodes, x);
             gather<E, AXES>(velocities, m.nodes, nodes, v);
             E::force(p, c, x, v, f);
             scatter<E, AXES>(f, m.nodes, nodes, forces);
@@ -73,9 +72,9 @@ struct Assembly {
 
     void energies(double* energies) const {
         energies[0] = energies[1] = 0.0;
-        visit_elements<AXES>(m, [&]<class E>(const auto& p, const I64* nodes) {
+        visit_elements<AXES>(m, s, [&]<class E>(const auto& p, const I64* nodes) {
             double x[E::UNKNOWNS];
-            gather<E, AXES>(s.position.data, m.stride, nodes, x);
+            gather<E, AXES>(s.position, m.stride, nodes, x);
             energies[0] += E::energy(p, c, x);
         });
         for (I64 axis = 0; axis < AXES; axis++)
@@ -86,16 +85,16 @@ struct Assembly {
     I64 entries() const {
         I64 count = 0;
         visit_elements<AXES>(
-            m, [&]<class E>(const auto&, const I64*) { count += static_cast<I64>(E::UNKNOWNS) * E::UNKNOWNS; });
+            m, s, [&]<class E>(const auto&, const I64*) { count += static_cast<I64>(E::UNKNOWNS) * E::UNKNOWNS; });
         return count;
     }
 
     void matrices(const double* velocities, double* forces, I64* rows, I64* columns, double* K, double* C) const {
         set_loads(m, s, forces);
-        visit_elements<AXES>(m, [&]<class E>(const auto& p, const I64* nodes) {
+        visit_elements<AXES>(m, s, [&]<class E>(const auto& p, const I64* nodes) {
             constexpr int N = E::UNKNOWNS;
             double x[N], v[N], f[N];
-            gather<E, AXES>(s.position.data, m.stride, nodes, x);
+            gather<E, AXES>(s.position, m.stride, nodes, x);
             gather<E, AXES>(velocities, m.nodes, nodes, v);
             linearise<E>(p, c, x, v, f, K, C);
             scatter<E, AXES>(f, m.nodes, nodes, forces);
