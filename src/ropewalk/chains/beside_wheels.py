@@ -1,7 +1,7 @@
 """The pieces of line beside wheels that have a place of their own, at many instants at once.
 
 A wheel stands within a link, which it divides, or in the place of a node. Only these links are looked at here: whole
-ones are those of lines without wheels (`many_frames.py`).
+ones are those of lines without wheels (`frames.py`).
 """
 
 from __future__ import annotations

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.chains.beginning import initial_state
-from ropewalk.chains.frames import ChainFrameBuilder, layout_of
-from ropewalk.chains.many_frames import ManyStates
+from ropewalk.chains.frames import ChainFrameBuilder, ManyStates, layout_of
 from ropewalk.checkpoint import Tree
 from ropewalk.controllers.assembly import controllers_of
 from ropewalk.controllers.partner import Partner

@@ -29,9 +29,8 @@ from ropewalk.model.support import Fixed, Moving
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.vehicle import Vehicle
 from ropewalk.model.walker import Walker
-from ropewalk.system.lines_over_sheaves import beside_sheaves, over_sheaves
+from ropewalk.system.lines_over_sheaves import beside_sheaves, of_several_lines, over_sheaves
 from ropewalk.system.methods import of_methods
-from ropewalk.system.several_lines import of_several_lines
 
 _BY_PANTOGRAPHS = "pantographs of the sixth order, implicitly, that whirl or in linear theory"
 _SYSTEM = "joined lines, nets, lines on inner supports, lines in wind and lines with bending stiffness"

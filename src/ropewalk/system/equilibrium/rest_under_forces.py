@@ -22,10 +22,9 @@ from ropewalk.solve.vehicle_statics import agree, loaded_bodies, potential_of
 from ropewalk.system.assembling.assembly import contacts_of, refuse_beyond
 from ropewalk.system.assembling.laid import Over
 from ropewalk.system.elements.structure import WORKS, SystemState
-from ropewalk.system.equilibrium.fixed_stations import FixedStations
 from ropewalk.system.equilibrium.lengths import off_tension
 from ropewalk.system.equilibrium.slow_motion import SlowMotion, positions_at
-from ropewalk.system.equilibrium.split_holds import Beside, SplitHolds
+from ropewalk.system.equilibrium.split_holds import Beside, FixedStations, SplitHolds
 from ropewalk.system.equilibrium.split_lines import AT_SHEAVE, LineForce, LineShape, SplitLines, SplitRest
 from ropewalk.system.equilibrium.structures import structure_of
 from ropewalk.system.loads.loaded_structure import Carried

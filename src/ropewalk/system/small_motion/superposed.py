@@ -47,8 +47,7 @@ from ropewalk.system.reporting.doubts import doubt_slack, doubt_sticking, joined
 from ropewalk.system.reporting.frames import FrameBuilder, SystemNote
 from ropewalk.system.small_motion.mean_wind import RestInWind, doubt_gusts, unknowns_at
 from ropewalk.system.small_motion.passing import Passing
-from ropewalk.system.small_motion.rest_state import RestState
-from ropewalk.system.small_motion.ties_about_rest import TiesAboutRest
+from ropewalk.system.small_motion.rest_state import RestState, TiesAboutRest
 
 _STORED = ("kinetic", "elastic", "gravitational", "load_kinetic", "load_potential")
 _KNOWN = [ENERGY_FORMS.index(form) for form in _STORED]
