@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from ropewalk.model._base import Finding
 from ropewalk.model.axles import Axles
+from ropewalk.model.capabilities import WITHOUT_KIND
 from ropewalk.model.joint import Joined
 from ropewalk.model.law import Inextensible
 from ropewalk.model.line import Line
@@ -90,8 +91,7 @@ def beside_sheaves(parts: Parts) -> Iterator[Finding]:
             feature, remedy = "a load on a net or a line with bending stiffness", "let it travel on a rope"
             yield missing(("loads", name, "on"), what, load.on, remedy, feature=feature)
         if not isinstance(load, _KNOWN):
-            remedy = "ask for kind: dynamic, or write kind: force with its weight as force"
-            yield missing(("loads", name, "kind"), what, load.kind, remedy)
+            yield missing(("loads", name, "kind"), what, load.kind, WITHOUT_KIND)
         for key, least in (("lift_off", False), ("air_drag", 0.0)):
             if (given := getattr(load, key, least)) != least:
                 yield missing(("loads", name, key), what, str(given), f"leave {key} out")
