@@ -106,14 +106,12 @@ def strands_of(scenario: Scenario, lengths: Mapping[str, float]) -> Strands:
     )  # fmt: skip
 
 
-def tabulate(
-    function: Callable[[float], Any], begin: float, end: float, tolerance: float = 1e-6
-) -> tuple[Array, NDArray[np.float64]]:
-    """Sample a callable of time so that linear interpolation is good to `tolerance` of its largest value.
+def tabulate(function: Callable[[float], Any], end: float) -> tuple[Array, NDArray[np.float64]]:
+    """Sample a callable of time so that linear interpolation is good to 1e-6 of its largest value.
 
     Args:
         function: f(t) -> float or sequence of floats, t in s.
-        begin, end: interval, s.
+        end: of the interval from 0, s.
 
     Returns:
         Times (n,) and values (n,) or (n, component).
@@ -125,7 +123,7 @@ def tabulate(
             raise ValueError(f"the callable gives {out} at t = {t:g} s: it must give finite numbers")
         return out
 
-    grid = np.linspace(begin, end, 257)
+    grid = np.linspace(0.0, end, 257)
     samples = {float(t): value(float(t)) for t in grid}
     scale = max(float(np.abs(v).max()) for v in samples.values())
     stack = [(float(a), float(b), 0) for a, b in pairwise(grid)]
@@ -134,7 +132,7 @@ def tabulate(
         middle = 0.5 * (a + b)
         samples[middle] = value(middle)
         miss = float(np.abs(samples[middle] - 0.5 * (samples[a] + samples[b])).max())
-        if miss > tolerance * scale and depth < 14:
+        if miss > 1e-6 * scale and depth < 14:
             stack += [(a, middle, depth + 1), (middle, b, depth + 1)]
     times = np.array(sorted(samples))
     return times, np.array([samples[t] for t in times])
@@ -145,7 +143,7 @@ def speed_table(speed: Any, until: float) -> tuple[Array, Array]:
     if isinstance(speed, SpeedTable):
         return np.array(speed.time), np.array(speed.value)
     if callable(speed):
-        return tabulate(speed, 0.0, until)
+        return tabulate(speed, until)
     return np.zeros(1), np.array([float(speed)])
 
 
@@ -159,7 +157,7 @@ def vector_table(history: Any, until: float, axes: tuple[str, ...]) -> tuple[Arr
         parts = {"x": force[:, 0], "y": force[:, 1] if force.shape[1] == 3 else np.zeros(times.size), "z": force[:, -1]}
         return times, np.array([parts[axis] for axis in axes])
     elif callable(history):
-        times, samples = tabulate(history, 0.0, until)
+        times, samples = tabulate(history, until)
         rows = tuple(tuple(row) for row in samples)
     else:
         times, rows = np.zeros(1), (history,)
@@ -171,7 +169,7 @@ def drive_table(drive: Any, until: float) -> tuple[Array, Array]:
     if isinstance(drive, DriveTable):
         return np.array(drive.time), np.array(drive.value)
     if callable(drive):
-        return tabulate(drive, 0.0, until)
+        return tabulate(drive, until)
     return np.zeros(1), np.array([float(drive)])
 
 

@@ -1,8 +1,6 @@
 """A section of overhead line as a plan of wires: wire 0 is the contact wire, wire 1 the messenger, then stitch wires.
 
-The plan lies straight in plan view, along x at y = 0: what the stagger does to vertical motion, the pull and the
-geometric stiffness of the steady arms and the length of droppers that lean, is in its ties. Where the wires are aside
-is kept beside it.
+The plan lies along x at y = 0: effects of the stagger on vertical motion are in its ties, places aside are kept apart.
 """
 
 from __future__ import annotations

@@ -104,7 +104,6 @@ class Mesh(NamedTuple):
     own: Array  # (node,) kg, of the wires alone
     fixed: NDArray[np.bool_]  # (3, node) whether a component stands where it is held, or goes as prescribed
     driven: NDArray[np.bool_]  # (3, node) whether it goes as prescribed
-    extra: Integers  # (special,) control points that carry more than their wire
     ties: WireTies
     holds: Holds
     relief: Array  # (node,) N, by which the link behind each node pulls less than its wire
@@ -186,18 +185,16 @@ def mesh_of(plan: WirePlan, element: float | list[int], *, small: bool = False) 
     for tie in plan.ties:
         if tie.mass:
             lumps += [(spot, 0.5 * tie.mass) for spot in (tie.spot, tie.other) if isinstance(spot, Spot)]
-    at, special = clamped_at(strands, [spot for spot, _ in lumps]), set[int]()
+    at = clamped_at(strands, [spot for spot, _ in lumps])
     for base, weight, (_, lump) in zip(at.base, at.weight, lumps, strict=True):
         mass[base : base + WIDTH] += weight * lump
-        special |= set((int(base) + np.flatnonzero(weight)).tolist())
-    extra = np.array(sorted(special), dtype=np.int64)
     holds = _holds(strands, plan)
     fixed, driven = _fixed(strands, plan, holds)
     relief, sideways = _relief(strands, plan), np.zeros_like(mass)
     pulled = clamped_at(strands, [one.spot for one in plan.sideways])
     for base, weight, one in zip(pulled.base, pulled.weight, plan.sideways, strict=True):
         sideways[base : base + WIDTH] += weight * one.force
-    return Mesh(plan, strands, mass, own, fixed, driven, extra, _ties(strands, plan), holds, relief, sideways)
+    return Mesh(plan, strands, mass, own, fixed, driven, _ties(strands, plan), holds, relief, sideways)
 
 
 def per_length(strands: WireRuns, value: Array) -> Array:

@@ -1,10 +1,6 @@
-"""What links with hysteresis and lines over sheaves keep in mind from step to step of an implicit method.
+"""Memory of links with hysteresis and of lines over sheaves in the steps of an implicit method.
 
-Forces of both are functions of what has gone before, whatever the speed: of how far a link has been let off
-(`hysteresis.py`) and of how much line is behind a sheave (`sheaves.py`). At each stage they follow from the beginning
-of the step, as if everything went straight on from there, which is exact but where loading turns into unloading, or
-slip begins, within the step: forces bend there, and what is kept in mind misses the square of the step. So the order is
-the second one in the end, whatever that of the method.
+At each stage it follows from the beginning of the step, as if everything went straight on (docs/notes/implicit.md).
 """
 
 from __future__ import annotations

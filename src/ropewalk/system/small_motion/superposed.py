@@ -1,7 +1,6 @@
-"""A run of kind linear on the system: small motion about rest in all directions, by superposition of modes.
+"""Runs of kind linear on the system: small motion about equilibrium by superposition of its modes.
 
-Modes are those of the stiffness, masses and dampers of the structure at rest without loads. What travels over it goes
-along its lines as they rest; `solve/superposition.py` does the rest.
+Loads travel along lines as these rest without loads, see `solve/superposition.py`.
 """
 
 from __future__ import annotations
