@@ -13,7 +13,7 @@ from ropewalk.system.dynamics import motion
 from ropewalk.system.dynamics.carrier import System
 from ropewalk.system.elements.sheaves import pass_nodes_entry
 from ropewalk.system.elements.structure import LAGGED, RUBBED
-from ropewalk.system.equilibrium.slow_hysteresis import bounds, kept
+from ropewalk.system.equilibrium.rubbing import bounds, kept
 
 
 class AtSheaves:

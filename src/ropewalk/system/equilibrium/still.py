@@ -17,8 +17,7 @@ from ropewalk.system.elements.compliance import AT_REST
 from ropewalk.system.elements.structure import SystemState
 from ropewalk.system.equilibrium.lengths import off_tension
 from ropewalk.system.equilibrium.rest import at_rest, settled_in_wind
-from ropewalk.system.equilibrium.rubbing import RubbingPotential, is_rubbing
-from ropewalk.system.equilibrium.slow_hysteresis import LaggingPotential, is_lagging, settle_after
+from ropewalk.system.equilibrium.rubbing import LaggingPotential, RubbingPotential, is_lagging, is_rubbing, settle_after
 from ropewalk.system.equilibrium.slow_motion import SlowMotion, positions_at, travelled
 from ropewalk.system.equilibrium.statics import SystemPotential
 from ropewalk.system.equilibrium.structures import structure_of
