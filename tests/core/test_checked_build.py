@@ -25,7 +25,7 @@ def built(checks: str, folder: Path) -> Path:
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(ROOT / "build_core"))
         compiler = import_module("compiler")
-        return compiler.build(ROOT, folder, getattr(compiler, checks))
+        return compiler.build(ROOT, folder, checks=getattr(compiler, checks))
 
 
 @pytest.fixture(scope="module")
