@@ -36,7 +36,7 @@ constexpr I64 COUNT = 1;
 #endif
 
 // Version of the interface: a library of another one is not used.
-RW_EXPORT I64 rw_version() { return 2; }
+RW_EXPORT I64 rw_version() { return 3; }
 
 // Number of the largest variant that runs here: 0 baseline, 1 AVX2, 2 AVX-512.
 RW_EXPORT I64 rw_best_variant() {
@@ -88,6 +88,14 @@ RW_EXPORT I64 rw_forces(char* const* bases, const double* velocities, double* fo
 RW_EXPORT I64 rw_energies(char* const* bases, double* energies) {
     if (!baseline::are_bound(blocks_of(bases))) return -1;
     baseline::sum_energies(blocks_of(bases), energies);
+    return 0;
+}
+
+// Of contacts, at the positions of the State: (row, contact) of force on the run (axis), point of the load (axis), and
+// the change of all energy with the place.
+RW_EXPORT I64 rw_contacts(char* const* bases, double* values) {
+    if (!baseline::are_bound(blocks_of(bases))) return -1;
+    baseline::evaluate_contacts(blocks_of(bases), values);
     return 0;
 }
 

@@ -1,6 +1,7 @@
 #include "bind.hpp"
 
 #include "elementary.hpp"
+#include "stencil.hpp"
 
 namespace RW_VARIANT {
 
@@ -8,7 +9,7 @@ constexpr U64 SEAL = seal_of(TABLE);
 constexpr I64 LARGEST = 1ll << 31;
 
 bool complete(I64* counts) {
-    counts[ONE] = 1, counts[SCRATCH] = SCRATCH_SIZE, counts[STENCIL] = SHARED;
+    counts[ONE] = 1, counts[SCRATCH] = SCRATCH_SIZE, counts[RECORD] = RECORD_SIZE;
     for (int i = 0; i < DIMENSIONS; i++)
         if (counts[i] < 0 || counts[i] > LARGEST) return false;
     const bool is_viscous = counts[VISCOUS] == counts[NODES];
@@ -43,6 +44,7 @@ static Fault fault_of(const Field& field, const char* at, const I64* counts) {
     }
     const I64 x = *reinterpret_cast<const I64*>(at);
     if (field.values == Values::NODE) return x >= 0 && x < counts[NODES] ? Fault::NONE : Fault::INDEX;
+    if (field.values == Values::OPTION) return x >= -1 && x < counts[NODES] ? Fault::NONE : Fault::INDEX;
     if (field.values == Values::RUN) return x >= 0 && x < counts[RUNS] ? Fault::NONE : Fault::INDEX;
     return x >= 0 && x <= (field.values == Values::FLAG ? 1 : LARGEST) ? Fault::NONE : Fault::VALUE;
 }
@@ -136,15 +138,23 @@ static bool is_uniform(const Model& m, I64 run) {
     return true;
 }
 
+// Note that others than links act on a node; -1: there is none.
+static void pull_run_around(const Model& m, Workspace& w, I64 node) {
+    if (const I64 run = run_around(m, node); run >= 0) w.run_pulled[run] = 1;
+}
+
 static void prepare(const Model& m, Workspace& w) {
     for (I64 i = 0; i < m.axes * m.stride; i++) w.force[i] = 0.0;
     for (I64 i = 0; i < SCRATCH_SIZE; i++) w.scratch[i] = 0.0;
     for (I64 r = 0; r < m.runs; r++) w.run_pulled[r] = 0, w.run_uniform[r] = is_uniform(m, r);
-    for (I64 k = 0; k < m.contacts; k++) w.run_pulled[m.contact_run[k]] = 1;
-    for (I64 k = 0; k < m.springs; k++) {
-        if (const I64 run = run_around(m, m.spring_begin[k]); run >= 0) w.run_pulled[run] = 1;
-        if (const I64 run = run_around(m, m.spring_end[k]); run >= 0) w.run_pulled[run] = 1;
+    for (I64 i = 0; i < m.nodes; i++) w.link_kink[i] = 0.0, w.link_contacts[i] = 0;
+    for (I64 k = 0; k < m.contacts; k++) {
+        I64 run = first_run_of(m, m.contact_run[k]);
+        for (; w.run_pulled[run] = 1, goes_on(m, run); run++) continue;
+        pull_run_around(m, w, m.contact_body[k]);
     }
+    for (I64 k = 0; k < m.springs; k++)
+        pull_run_around(m, w, m.spring_begin[k]), pull_run_around(m, w, m.spring_end[k]);
 }
 
 Finding bind(const Blocks& blocks, const I64* bytes) {

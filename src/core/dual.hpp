@@ -87,6 +87,11 @@ inline Dual<N> root(const Dual<N>& x) {
     const double value = root(x.value);
     return scaled(value, 0.5 / value, x);
 }
+inline double value_of(double x) { return x; }
+template <int N>
+inline double value_of(const Dual<N>& x) {
+    return x.value;
+}
 template <int N>
 inline Dual<N> unless_below(const Dual<N>& test, double floor, const Dual<N>& x) {
     return test.value < floor ? Dual<N>(0.0) : x;

@@ -4,7 +4,7 @@
 // call takes makes no difference to any bit.
 #pragma once
 
-#include "stencil.hpp"
+#include "contacts.hpp"
 #include "sweep.hpp"
 
 namespace RW_VARIANT {
@@ -30,8 +30,7 @@ struct Motion {
         const double kick = s.lag[0] + 0.5 * dt;
         const Step step{kick, dt, 0.5 * dt / kick};
         pull_springs();
-        press_contacts();
-        sum_work(kick);
+        press_contacts(kick);
         for (I64 run = 0; run < m.runs; run++) {
             if (m.run_curved[run])
                 Sweep<AXES, VISCOUS, true>(m, s, w, step, run).run();
@@ -43,7 +42,6 @@ struct Motion {
         join(s.position, false);
         join(s.velocity, false);
         if constexpr (VISCOUS) join(s.predicted, false);
-        sum_work(kick);
         for (I64 k = 0; k < m.contacts; k++) s.contact_place[k] += dt * s.contact_speed[k];
         s.time[0] += dt;
         s.lag[0] = 0.5 * dt;
@@ -78,32 +76,35 @@ struct Motion {
         return values;
     }
 
-    // Locate all contacts, and add the forces of loads to the nodes that share them.
-    void press_contacts() {
+    // Find all contacts, and add their forces to those on nodes.
+    void press_contacts(double kick) {
+        using Element = Touch<AXES>;
+        const Contacts<AXES> contacts{m, s, w};
+        contacts.find();
         for (I64 k = 0; k < m.contacts; k++) {
-            const Share share = share_of(m, s, k);
-            w.contact_first[k] = share.first, w.contact_shared[k] = share.count;
-            for (I64 j = 0; j < share.count; j++) {
-                w.contact_weight[at(j, k)] = share.weight[j];
-                for (int axis = 0; axis < AXES; axis++)
-                    w.force[axis * m.stride + share.first + j] += share.weight[j] * m.contact_force[at(axis, k)];
-            }
+            Record& r = contacts.record(k);
+            double x[Element::UNKNOWNS], v[Element::UNKNOWNS]{}, f[Element::UNKNOWNS]{};
+            contacts.gather(r, k, s.position.data, m.stride, x);
+            if constexpr (VISCOUS) contacts.gather(r, k, s.predicted.data, m.stride, v);
+            Element::template force<double>(r, Context{}, x, v, f);
+            I64 nodes[Contacts<AXES>::NODES_OF];
+            contacts.nodes_of(r, m.contact_body[k], nodes);
+            for (int i = 0; i < Contacts<AXES>::NODES_OF; i++)
+                for (int axis = 0; axis < AXES; axis++) w.force[axis * m.stride + nodes[i]] += f[i * AXES + axis];
+            Element::note(r, x);
+            sum_work(r, k, kick);
         }
     }
-    I64 at(I64 row, I64 contact) const { return row * stride_of(m.contacts) + contact; }
 
-    // Half of the work that loads do in a kick, with the velocities of now.
-    void sum_work(double kick) {
-        for (I64 k = 0; k < m.contacts; k++) {
-            double power = 0.0;
-            for (I64 j = 0; j < w.contact_shared[k]; j++) {
-                for (int axis = 0; axis < AXES; axis++) {
-                    const double v = s.velocity[axis * m.stride + w.contact_first[k] + j];
-                    power += w.contact_weight[at(j, k)] * m.contact_force[at(axis, k)] * v;
-                }
-            }
-            s.contact_work[k] += 0.5 * kick * power;
-        }
+    // Work of what moves a contact along, and of what makes its kink softer meanwhile.
+    void sum_work(const Record& r, I64 k, double kick) {
+        s.contact_work[k] += kick * r.push * r.speed;
+        const double before = s.contact_bent[k];
+        if (r.state == Touching::YES && before >= 0.0)
+            s.contact_work[k] += 0.25 * (r.softer + s.contact_softer[k]) * (r.square - before);
+        s.contact_bent[k] = r.state == Touching::YES ? r.square : -1.0;
+        s.contact_softer[k] = r.softer;
+        if (r.state == Touching::YES) s.contact_kink[k] = r.K;
     }
 
     // Add values of copies to those of the original nodes and clear them, or give copies the values of the originals.

@@ -61,7 +61,7 @@ def test_every_field_is_checked_for_numbers() -> None:
             continue
         model, state = sound.model.copy(), sound.state.copy()
         view = getattr(model if field.part == "MODEL" else state, field.name)
-        view.flat[view.size - 1] = np.nan if field.kind == "double" else -1
+        view.flat[view.size - 1] = np.nan if field.kind == "double" else -2
         with pytest.raises(RopewalkError, match=rf"^{field.name}\["):
             Bound(model, state)
 

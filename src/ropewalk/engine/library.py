@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ropewalk.errors import RopewalkError
 
-VERSION = 2
+VERSION = 3
 """Version of the interface that is spoken here."""
 VARIANTS = ("baseline", "avx2", "avx512")
 """Instruction sets that the core is compiled for, by their numbers; elsewhere than on x86-64 only the first."""
@@ -26,7 +26,8 @@ _ARGUMENTS: dict[str, list[Any]] = {
     "version": [], "best_variant": [], "elementary": [*[_NUMBER] * 3, *[_DOUBLES] * 3],
     "layout": [_NUMBER, _ADDRESS, _ADDRESS], "bind": [_ADDRESS] * 3,
     "advance": [_NUMBER, _ADDRESS, _NUMBER, ctypes.c_double, _ADDRESS, _ADDRESS],
-    "forces": [_ADDRESS] * 3, "energies": [_ADDRESS] * 2, "entries": [_ADDRESS], "linearise": [_ADDRESS] * 7,
+    "forces": [_ADDRESS] * 3, "energies": [_ADDRESS] * 2, "contacts": [_ADDRESS] * 2,
+    "entries": [_ADDRESS], "linearise": [_ADDRESS] * 7,
 }  # fmt: skip
 """Arguments of the functions of the core, which return whole numbers."""
 
