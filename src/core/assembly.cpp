@@ -1,15 +1,16 @@
 #include "assembly.hpp"
 
 #include "contacts.hpp"
+#include "elements.hpp"
 
 namespace RW_VARIANT {
 
 // Call visit<E>(parameters, nodes) for every element E of a model.
 template <int AXES, class Visit>
-static void visit_elements(const Model& m, Visit visit) {
+static void visit_elements(const Model& m, const State& s, Visit visit) {
     for (I64 r = 0; r < m.runs; r++) {
         Links p = links_of(m, r);
-        const I64 first = m.run_first[r], last = first + m.run_links[r];
+        const I64 first = s.run_first[r], last = first + s.run_links[r];
         for (I64 i = first; i < last; i++) {
             p.begins = i == first, p.ends = i + 1 == last;
             const I64 nodes[] = {p.begins ? i : i - 1, i, i + 1, p.ends ? i + 1 : i + 2};
@@ -26,16 +27,14 @@ static void visit_elements(const Model& m, Visit visit) {
         const I64 nodes[] = {m.spring_begin[k], m.spring_end[k]};
         visit.template operator()<Straight<AXES>>(p, nodes);
     }
-}
-
-// Values (axis, node) of an array with rows of so many numbers at the nodes of an element.
-template <class E, int AXES>
-static void gather(const double* from, I64 stride, const I64* nodes, double* values) {
-    for (int i = 0; i < E::UNKNOWNS; i++) values[i] = from[i % AXES * stride + nodes[i / AXES]];
-}
-template <class E, int AXES>
-static void scatter(const double* values, I64 stride, const I64* nodes, double* to) {
-    for (int i = 0; i < E::UNKNOWNS; i++) to[i % AXES * stride + nodes[i / AXES]] += values[i];
+    for (I64 band = 0; band < m.bands; band++) {
+        const Axial<double> p = springs_of(m, band);
+        for (I64 k = 0; k < m.band_springs[band]; k++) {
+            const I64 nodes[] = {m.band_begin[band] + k, m.band_end[band] + k};
+            visit.template operator()<Straight<AXES>>(p, nodes);
+        }
+    }
+    visit_others<AXES>(m, s, visit);
 }
 
 static void set_weights(const Model& m, double* forces) {
@@ -54,7 +53,7 @@ struct Assembly {
 
     // Elements of links, springs and contacts; these are found first.
     void visit(auto call) const {
-        visit_elements<AXES>(m, call);
+        visit_elements<AXES>(m, s, call);
         const Contacts<AXES> contacts{m, s, w};
         contacts.find();
         for (I64 k = 0; k < m.contacts; k++) {
@@ -70,7 +69,7 @@ struct Assembly {
         for (I64 k = 0; k < m.contacts; k++) {
             Record& r = contacts.record(k);
             double x[Touch<AXES>::UNKNOWNS];
-            contacts.gather(r, k, s.position.data, m.stride, x);
+            contacts.gather_at(r, k, s.position, x);
             Touch<AXES>::note(r, x);
             for (I64 axis = 0; axis < AXES; axis++) {
                 values[axis * m.contacts + k] = r.force[axis];
@@ -84,7 +83,7 @@ struct Assembly {
         set_weights(m, forces);
         visit([&]<class E>(const auto& p, const I64* nodes) {
             double x[E::UNKNOWNS], v[E::UNKNOWNS], f[E::UNKNOWNS]{};
-            gather<E, AXES>(s.position.data, m.stride, nodes, x);
+            gather<E, AXES>(s.position, m.stride, nodes, x);
             gather<E, AXES>(velocities, m.nodes, nodes, v);
             E::force(p, c, x, v, f);
             scatter<E, AXES>(f, m.nodes, nodes, forces);
@@ -95,7 +94,7 @@ struct Assembly {
         energies[0] = energies[1] = 0.0;
         visit([&]<class E>(const auto& p, const I64* nodes) {
             double x[E::UNKNOWNS];
-            gather<E, AXES>(s.position.data, m.stride, nodes, x);
+            gather<E, AXES>(s.position, m.stride, nodes, x);
             energies[0] += E::energy(p, c, x);
         });
         for (I64 axis = 0; axis < AXES; axis++)
@@ -114,7 +113,7 @@ struct Assembly {
         visit([&]<class E>(const auto& p, const I64* nodes) {
             constexpr int N = E::UNKNOWNS;
             double x[N], v[N], f[N];
-            gather<E, AXES>(s.position.data, m.stride, nodes, x);
+            gather<E, AXES>(s.position, m.stride, nodes, x);
             gather<E, AXES>(velocities, m.nodes, nodes, v);
             linearise<E>(p, c, x, v, f, K, C);
             scatter<E, AXES>(f, m.nodes, nodes, forces);

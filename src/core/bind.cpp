@@ -1,6 +1,7 @@
 #include "bind.hpp"
 
 #include "elementary.hpp"
+#include "elements.hpp"
 #include "stencil.hpp"
 
 namespace RW_VARIANT {
@@ -74,13 +75,13 @@ enum Number : I64 {
 #include "fields.def"
 };
 
-static Finding check_runs(const Model& m) {
+static Finding check_runs(const Model& m, const State& s) {
     I64 begin = 0;
     for (I64 r = 0; r < m.runs; r++) {
-        if (m.run_first[r] < begin) return {Fault::RUN, number_of_run_first, r};
-        if (m.run_links[r] < 1 || m.run_links[r] >= m.nodes - m.run_first[r])
+        if (s.run_first[r] < begin) return {Fault::RUN, number_of_run_first, r};
+        if (s.run_links[r] < 1 || s.run_links[r] >= m.nodes - s.run_first[r])
             return {Fault::RUN, number_of_run_links, r};
-        begin = m.run_first[r] + m.run_links[r] + 1;
+        begin = s.run_first[r] + s.run_links[r] + 1;
         if (!m.viscous && m.axial_damping[r] > 0.0) return {Fault::UNDAMPED, number_of_axial_damping, r};
     }
     return {Fault::NONE, 0, 0};
@@ -91,32 +92,48 @@ static Finding check_springs(const Model& m) {
         if (m.spring_begin[k] == m.spring_end[k]) return {Fault::SPRING, number_of_spring_end, k};
         if (!m.viscous && m.spring_damping[k] > 0.0) return {Fault::UNDAMPED, number_of_spring_damping, k};
     }
+    for (I64 k = 0; k < m.counts[PLAYS]; k++)
+        if (m.play_begin[k] == m.play_end[k]) return {Fault::SPRING, number_of_play_end, k};
+    return {Fault::NONE, 0, 0};
+}
+
+static Finding check_bands(const Model& m) {
+    I64 before = 0;
+    for (I64 k = 0; k < m.bands; k++) {
+        const I64 begin = m.band_begin[k], end = m.band_end[k], springs = m.band_springs[k];
+        const I64 low = begin < end ? begin : end, high = begin < end ? end : begin;
+        if (springs < 1 || springs > m.nodes - high || springs > high - low)
+            return {Fault::BAND, number_of_band_springs, k};
+        if (low < before) return {Fault::BAND, number_of_band_begin, k};
+        if (!m.viscous && m.band_damping[k] > 0.0) return {Fault::UNDAMPED, number_of_band_damping, k};
+        before = low;
+    }
     return {Fault::NONE, 0, 0};
 }
 
 // Number of the run that a node is inside of, or -1. Runs are in order.
-static I64 run_around(const Model& m, I64 node) {
+static I64 run_around(const Model& m, const State& s, I64 node) {
     I64 low = 0, high = m.runs;
     while (low < high) {
         const I64 middle = (low + high) / 2;
-        if (m.run_first[middle] < node)
+        if (s.run_first[middle] < node)
             low = middle + 1;
         else
             high = middle;
     }
-    return low > 0 && node < m.run_first[low - 1] + m.run_links[low - 1] ? low - 1 : -1;
+    return low > 0 && node < s.run_first[low - 1] + s.run_links[low - 1] ? low - 1 : -1;
 }
 
 // Copies are marked in the Workspace while joints are checked.
 static Finding check_joints(const Model& m, const State& s, Workspace& w) {
     for (I64 j = 0; j < m.joints; j++) {
         const I64 copy = m.joint_copy[j];
-        if (w.force[copy] != 0.0 || run_around(m, copy) >= 0) return {Fault::JOINT, number_of_joint_copy, j};
+        if (w.force[copy] != 0.0 || run_around(m, s, copy) >= 0) return {Fault::JOINT, number_of_joint_copy, j};
         w.force[copy] = 1.0;
     }
     for (I64 j = 0; j < m.joints; j++) {
         const I64 copy = m.joint_copy[j], original = m.joint_original[j];
-        if (w.force[original] != 0.0 || run_around(m, original) >= 0)
+        if (w.force[original] != 0.0 || run_around(m, s, original) >= 0)
             return {Fault::JOINT, number_of_joint_original, j};
         for (I64 axis = 0; axis < m.axes; axis++) {
             const I64 row = axis * m.stride, entry = axis * m.nodes + copy;
@@ -130,31 +147,33 @@ static Finding check_joints(const Model& m, const State& s, Workspace& w) {
 }
 
 // Whether all inner nodes of a run have the same mobility and weight.
-static bool is_uniform(const Model& m, I64 run) {
-    const I64 first = m.run_first[run] + 1, last = m.run_first[run] + m.run_links[run];
+static bool is_uniform(const Model& m, const State& s, I64 run) {
+    const I64 first = s.run_first[run] + 1, last = s.run_first[run] + s.run_links[run];
     for (I64 row = 0; row < m.axes * m.stride; row += m.stride)
         for (I64 i = row + first; i < row + last; i++)
             if (m.mobility[i] != m.mobility[row + first] || m.weight[i] != m.weight[row + first]) return false;
     return true;
 }
 
-// Note that others than links act on a node; -1: there is none.
-static void pull_run_around(const Model& m, Workspace& w, I64 node) {
-    if (const I64 run = run_around(m, node); run >= 0) w.run_pulled[run] = 1;
-}
-
-static void prepare(const Model& m, Workspace& w) {
+static void prepare(const Model& m, const State& s, Workspace& w) {
     for (I64 i = 0; i < m.axes * m.stride; i++) w.force[i] = 0.0;
     for (I64 i = 0; i < SCRATCH_SIZE; i++) w.scratch[i] = 0.0;
-    for (I64 r = 0; r < m.runs; r++) w.run_pulled[r] = 0, w.run_uniform[r] = is_uniform(m, r);
+    for (I64 r = 0; r < m.runs; r++) w.run_pulled[r] = 0, w.run_uniform[r] = is_uniform(m, s, r);
     for (I64 i = 0; i < m.nodes; i++) w.link_kink[i] = 0.0, w.link_contacts[i] = 0;
+    const auto pull = [&](I64 node) {
+        if (const I64 run = run_around(m, s, node); run >= 0) w.run_pulled[run] = 1;
+    };
     for (I64 k = 0; k < m.contacts; k++) {
         I64 run = first_run_of(m, m.contact_run[k]);
         for (; w.run_pulled[run] = 1, goes_on(m, run); run++) continue;
-        pull_run_around(m, w, m.contact_body[k]);
+        pull(m.contact_body[k]);
     }
-    for (I64 k = 0; k < m.springs; k++)
-        pull_run_around(m, w, m.spring_begin[k]), pull_run_around(m, w, m.spring_end[k]);
+    for (I64 k = 0; k < m.springs; k++) pull(m.spring_begin[k]), pull(m.spring_end[k]);
+    visit_others<2>(m, s, [&]<class E>(const auto&, const I64* nodes) {
+        for (int i = 0; i < E::UNKNOWNS / 2; i++) pull(nodes[i]);
+    });
+    for (I64 band = 0; band < m.bands; band++)
+        for (I64 k = 0; k < m.band_springs[band]; k++) pull(m.band_begin[band] + k), pull(m.band_end[band] + k);
 }
 
 Finding bind(const Blocks& blocks, const I64* bytes) {
@@ -171,10 +190,11 @@ Finding bind(const Blocks& blocks, const I64* bytes) {
     const State s(blocks.state);
     Workspace w(blocks.work);
     for (I64 i = 0; i < m.nodes; i++) w.force[i] = 0.0;
-    if (const Finding found = check_runs(m); found.fault != Fault::NONE) return found;
+    if (const Finding found = check_runs(m, s); found.fault != Fault::NONE) return found;
     if (const Finding found = check_springs(m); found.fault != Fault::NONE) return found;
+    if (const Finding found = check_bands(m); found.fault != Fault::NONE) return found;
     if (const Finding found = check_joints(m, s, w); found.fault != Fault::NONE) return found;
-    prepare(m, w);
+    prepare(m, s, w);
     blocks.work.header().is_bound = 1;
     return {Fault::NONE, 0, 0};
 }

@@ -1,6 +1,7 @@
 // Contacts of loads and bodies with runs: where they are, and what acts there.
 #pragma once
 
+#include "elements.hpp"
 #include "stencil.hpp"
 #include "touch.hpp"
 
@@ -53,11 +54,11 @@ struct Contacts {
             for (I64 k = 0; k < 4; k++) nodes[SHARED + 1 + 4 * j + k] = four[k];
         }
     }
-    void gather(const Record& r, I64 k, const double* from, I64 stride, double* values) const {
+    // Values of an array (axis, node) at all of them.
+    void gather_at(const Record& r, I64 k, const auto& from, double* values) const {
         I64 nodes[NODES_OF];
         nodes_of(r, m.contact_body[k], nodes);
-        for (int i = 0; i < NODES_OF; i++)
-            for (int axis = 0; axis < AXES; axis++) values[i * AXES + axis] = from[axis * stride + nodes[i]];
+        gather<Element, AXES>(from, m.stride, nodes, values);
     }
 
   private:
@@ -68,7 +69,7 @@ struct Contacts {
         for (; place < 0.0 && run > 0 && m.run_continues[run - 1]; run--) place += length_of(run - 1);
         for (; place > length_of(run) && goes_on(m, run); run++) place -= length_of(run);
         const double h = m.link_length[run], last = length_of(run), beyond = place < 0.0 ? -place : place - last;
-        const I64 n = m.run_links[run];
+        const I64 n = s.run_links[run];
         r.run = run, r.length = h, r.speed = s.contact_speed[k], r.K = kept;
         for (I64 j = 0; j < BELOW; j++) r.others[j] = r.before[j] = r.own[j] = 0.0;
         r.state = Touching::YES;
@@ -87,7 +88,7 @@ struct Contacts {
                 r.change[j] = r.part[j] * (place > 0.0 ? -4.0 : 4.0) / (h * (1.0 - 4.0 * beyond / h));
         find_stiffness(r, k, x);
     }
-    double length_of(I64 run) const { return m.link_length[run] * static_cast<double>(m.run_links[run]); }
+    double length_of(I64 run) const { return m.link_length[run] * static_cast<double>(s.run_links[run]); }
 
     void share(Record& r, const Cell& cell, double x) const {
         Jet weight[SHARED];
@@ -97,20 +98,20 @@ struct Contacts {
             r.weight[j] = weight[j].value, r.slope[j] = weight[j].first * per_length;
             r.second[j] = weight[j].second * per_length * per_length;
         }
-        r.first = m.run_first[r.run] + cell.first;
+        r.first = s.run_first[r.run] + cell.first;
         r.count = cell.links + 1 - cell.first < SHARED ? cell.links + 1 - cell.first : SHARED;
     }
 
     // The links below, with their parts: a quadratic B-spline over their middles. Parts beyond the line go to its end.
     void find_links(Record& r, I64 link, double x) const {
         const double f = x - static_cast<double>(link) - 0.5, per_length = 1.0 / r.length;
-        const I64 n = m.run_links[r.run], first = m.run_first[r.run];
+        const I64 n = s.run_links[r.run], first = s.run_first[r.run];
         r.part[0] = 0.5 * (0.5 - f) * (0.5 - f), r.part[1] = 0.75 - f * f, r.part[2] = 0.5 * (0.5 + f) * (0.5 + f);
         r.change[0] = (f - 0.5) * per_length, r.change[1] = -2.0 * f * per_length, r.change[2] = (f + 0.5) * per_length;
         for (I64 j = 0; j < BELOW; j++) {
             I64 run = r.run, i = link - 1 + j;
             if (i < 0 && run > 0 && m.run_continues[run - 1])
-                run--, i = m.run_links[run] - 1;
+                run--, i = s.run_links[run] - 1;
             else if (i >= n && goes_on(m, run))
                 run++, i = 0;
             if (run == r.run && (i < 0 || i >= n)) {
@@ -118,15 +119,15 @@ struct Contacts {
                 r.part[j] = r.change[j] = 0.0;
                 i = link;
             }
-            r.link[j] = (run == r.run ? first : m.run_first[run]) + i;
+            r.link[j] = (run == r.run ? first : s.run_first[run]) + i;
             r.links[j] = links_of(m, run);
             r.links[j].begins = i == 0 || !m.run_curved[run];
-            r.links[j].ends = i == m.run_links[run] - 1 || !m.run_curved[run];
+            r.links[j].ends = i == s.run_links[run] - 1 || !m.run_curved[run];
         }
     }
 
     void find_stiffness(Record& r, I64 k, double x) const {
-        const double h = r.length, n = static_cast<double>(m.run_links[r.run]), per_length = 1.0 / h;
+        const double h = r.length, n = static_cast<double>(s.run_links[r.run]), per_length = 1.0 / h;
         const Slope<double> shape = shape_of(x, n);
         const double bending = m.run_curved[r.run] ? m.bending_stiffness[r.run] * per_length * per_length : 0.0;
         r.kink = {bending, per_length / shape.value, m.contact_compliance[k], m.line_mass[r.run] * r.speed * r.speed};
@@ -162,7 +163,7 @@ struct Contacts {
         Record& r = record(k);
         if (r.state != Touching::YES) return;
         double x[Element::UNKNOWNS];
-        gather(r, k, s.position.data, m.stride, x);
+        gather_at(r, k, s.position, x);
         visit_links(r, [&](I64 j, I64 link) { r.others[j] = w.link_kink[link] - r.own[j]; });
         const auto g = Element::template measure<double>(r, x);
         r.K = g.is_apart ? 0.0 : Element::solve(r, g.lengths, g.square);

@@ -16,6 +16,12 @@ struct Dual {
     Dual(double at, int i) : value(at), slope{} { slope[i] = 1.0; }
 };
 
+inline double value_of(double x) { return x; }
+template <int N>
+inline double value_of(const Dual<N>& x) {
+    return x.value;
+}
+
 // value + a x' + b y'
 template <int N>
 inline Dual<N> combined(double value, double a, const Dual<N>& x, double b, const Dual<N>& y) {
@@ -86,11 +92,6 @@ template <int N>
 inline Dual<N> root(const Dual<N>& x) {
     const double value = root(x.value);
     return scaled(value, 0.5 / value, x);
-}
-inline double value_of(double x) { return x; }
-template <int N>
-inline double value_of(const Dual<N>& x) {
-    return x.value;
 }
 template <int N>
 inline Dual<N> unless_below(const Dual<N>& test, double floor, const Dual<N>& x) {

@@ -4,7 +4,9 @@
 // call takes makes no difference to any bit.
 #pragma once
 
+#include "band.hpp"
 #include "contacts.hpp"
+#include "elements.hpp"
 #include "sweep.hpp"
 
 namespace RW_VARIANT {
@@ -30,13 +32,17 @@ struct Motion {
         const double kick = s.lag[0] + 0.5 * dt;
         const Step step{kick, dt, 0.5 * dt / kick};
         pull_springs();
+        add_others();
         press_contacts(kick);
+        I64 band = 0;
         for (I64 run = 0; run < m.runs; run++) {
+            pull_bands(band, s.run_first[run] + s.run_links[run]);
             if (m.run_curved[run])
                 Sweep<AXES, VISCOUS, true>(m, s, w, step, run).run();
             else
                 Sweep<AXES, VISCOUS, false>(m, s, w, step, run).run();
         }
+        pull_bands(band, m.nodes);
         join(w.force, true);
         move_others(step);
         join(s.position, false);
@@ -45,6 +51,12 @@ struct Motion {
         for (I64 k = 0; k < m.contacts; k++) s.contact_place[k] += dt * s.contact_speed[k];
         s.time[0] += dt;
         s.lag[0] = 0.5 * dt;
+    }
+
+    // Bands from this one on that begin at a node or before it.
+    void pull_bands(I64& band, I64 node) {
+        for (; band < m.bands && (m.band_begin[band] <= node || m.band_end[band] <= node); band++)
+            pull_band<AXES, VISCOUS>(m, s, w, band);
     }
 
     void pull_springs() {
@@ -76,6 +88,17 @@ struct Motion {
         return values;
     }
 
+    // Forces of elements without a loop of their own.
+    void add_others() {
+        visit_others<AXES>(m, s, [&]<class E>(const auto& p, const I64* nodes) {
+            double x[E::UNKNOWNS], v[E::UNKNOWNS]{}, f[E::UNKNOWNS]{};
+            gather<E, AXES>(s.position, m.stride, nodes, x);
+            if constexpr (VISCOUS) gather<E, AXES>(s.predicted, m.stride, nodes, v);
+            E::force(p, Context{s.time[0], 0.0}, x, v, f);
+            scatter<E, AXES>(f, m.stride, nodes, w.force);
+        });
+    }
+
     // Find all contacts, and add their forces to those on nodes.
     void press_contacts(double kick) {
         using Element = Touch<AXES>;
@@ -83,14 +106,13 @@ struct Motion {
         contacts.find();
         for (I64 k = 0; k < m.contacts; k++) {
             Record& r = contacts.record(k);
-            double x[Element::UNKNOWNS], v[Element::UNKNOWNS]{}, f[Element::UNKNOWNS]{};
-            contacts.gather(r, k, s.position.data, m.stride, x);
-            if constexpr (VISCOUS) contacts.gather(r, k, s.predicted.data, m.stride, v);
-            Element::template force<double>(r, Context{}, x, v, f);
             I64 nodes[Contacts<AXES>::NODES_OF];
+            double x[Element::UNKNOWNS], v[Element::UNKNOWNS]{}, f[Element::UNKNOWNS]{};
             contacts.nodes_of(r, m.contact_body[k], nodes);
-            for (int i = 0; i < Contacts<AXES>::NODES_OF; i++)
-                for (int axis = 0; axis < AXES; axis++) w.force[axis * m.stride + nodes[i]] += f[i * AXES + axis];
+            gather<Element, AXES>(s.position, m.stride, nodes, x);
+            if constexpr (VISCOUS) gather<Element, AXES>(s.predicted, m.stride, nodes, v);
+            Element::template force<double>(r, Context{s.time[0], 0.0}, x, v, f);
+            scatter<Element, AXES>(f, m.stride, nodes, w.force);
             Element::note(r, x);
             sum_work(r, k, kick);
         }
@@ -123,8 +145,8 @@ struct Motion {
     void move_others(const Step& step) {
         I64 begin = 0;
         for (I64 run = 0; run < m.runs; run++) {
-            move_nodes(step, begin, m.run_first[run] + 1);
-            begin = m.run_first[run] + m.run_links[run];
+            move_nodes(step, begin, s.run_first[run] + 1);
+            begin = s.run_first[run] + s.run_links[run];
         }
         move_nodes(step, begin, m.nodes);
     }

@@ -87,7 +87,7 @@ struct Sweep {
 
     Sweep(const Model& model, const State& state, Workspace& work, const Step& step_, I64 run)
         : m(model), s(state), w(work), step(step_), p(links_of(model, run)) {
-        first = m.run_first[run], links = m.run_links[run];
+        first = s.run_first[run], links = s.run_links[run];
         is_pulled = w.run_pulled[run], is_uniform = w.run_uniform[run];
     }
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from core_structures import bridge, loaded, rope, tripod
+from core_structures import bridge, loaded, loose, net, rope, tripod
 from ropewalk.engine.bound import Bound
 from ropewalk.engine.builder import RunProperties
 from ropewalk.engine.library import library, variants
@@ -85,6 +85,9 @@ def main(path: str, seconds: float, seed: int) -> None:
         tripod(),
         loaded(),
         loaded(3, RunProperties(0.5, 1.0, 1e4, 20.0, 40.0), 22.2),
+        loose(damping=9.0),
+        net(),
+        net((20, 2), damping=0.3, free=True),
     ]
     pages, rounds, computed, end = [Guarded() for _ in range(3)], 0, 0, monotonic() + seconds
     while monotonic() < end:
