@@ -82,7 +82,7 @@ def loaded(axes: int = 2, run: RunProperties = ROPE, place: float = 17.2) -> Bou
     builder.add_force(0, [*[0.0] * (axes - 1), -150.0], place * run.link_length, 6.0)
     builder.add_contact(0, mass, 23.0 * run.link_length, 12.0)
     builder.add_contact(1, head, 8.0 * run.link_length, 0.0, ContactProperties(2e4, "below", True))
-    model, state = builder.build(2.0**-13)
+    model, state = builder.build(step=2.0**-13)
     state.velocity[0, mass] = 12.0
     return Bound(model, state)
 
@@ -107,6 +107,7 @@ def net(
     force: float = 0.0,
     EA: float = 2e3,
     side: float = 1.0,
+    parts: int = 1,
 ) -> Bound:
     """A square net of straight threads under a tension, sagged by an eighth; its rim is held unless `free`,
     when it pushes, too.
@@ -119,6 +120,7 @@ def net(
         force: down, on a thread in the middle, N.
         EA: of a thread, N.
         side: of a cell, m.
+        parts: that threads may share.
     """
     builder, (across, rows) = Builder(3, gravity=0.0 if free else 9.81), cells
     h = side / (1.0 + pull / EA)
@@ -138,7 +140,7 @@ def net(
         builder.add_band(sides[0] + 1, sides[1] + 1, across - 1, link)
     if force:
         builder.add_force(rows // 2, [0.0, 0.0, -force], 0.3 * side, 2.0)
-    return Bound(*builder.build())
+    return Bound(*builder.build(parts))
 
 
 STRUCTURES = {

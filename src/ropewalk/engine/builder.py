@@ -175,10 +175,11 @@ class Builder:
         """Make two nodes the same point."""
         self._joints.append((copy, original))
 
-    def build(self, step: float = 0.0) -> tuple[Block, Block]:
+    def build(self, parts: int = 1, step: float = 0.0) -> tuple[Block, Block]:
         """Return Model and State; nothing moves.
 
         Args:
+            parts: number of parts that threads may share, of about as many links each.
             step: of the motion, s. Contacts yield by what moves within it, so that they do not shorten the stable step.
 
         Raises:
@@ -188,7 +189,7 @@ class Builder:
         damped = any(each.axial_damping for *_, each in self._runs)
         damped |= any(each.get("damping", 0.0) > 0.0 for rows in self._elements.values() for each in rows)
         sizes = {"AXES": self.axes, "NODES": masses.size, "VISCOUS": masses.size * damped, "RUNS": len(self._runs),
-                 "JOINTS": len(self._joints), "CONTACTS": len(self._contacts)}  # fmt: skip
+                 "JOINTS": len(self._joints), "CONTACTS": len(self._contacts), "PARTS": parts}  # fmt: skip
         sizes |= {f"{kind.upper()}S": len(rows) for kind, rows in self._elements.items()}
         model, state = Block("MODEL", sizes), Block("STATE", sizes)
         copies, originals = np.array(self._joints, dtype=np.int64).reshape(-1, 2).T
@@ -209,6 +210,8 @@ class Builder:
             model.weight[:, node] += force
         state.position[:] = points
         self._set_contacts(model, state, step)
+        ends = np.cumsum([links for _, links, _ in self._runs])
+        model.part_run[1:] = np.searchsorted(ends, np.arange(1, parts) / parts * ends[-1:]) if parts > 1 else ()
         runs = [{"run_first": first, "run_links": links} | asdict(run) for first, links, run in self._runs]
         names = {each.name for each in fields()}
         for name in runs[0] if runs else ():
