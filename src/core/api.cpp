@@ -111,8 +111,16 @@ RW_EXPORT I64 rw_grips(char* const* bases, double* grips) {
 // Let nodes that are close to a sheave pass it, as a step does; returns how many did.
 RW_EXPORT I64 rw_pass(char* const* bases) {
     if (!baseline::are_bound(blocks_of(bases))) return -1;
-    const I64 count = baseline::pass_nodes(bases[0], bases[1]);
+    const I64 count = baseline::pass_nodes(bases);
     return count < 0 ? 0 : count;
+}
+
+// Of contacts, at the positions of the State: (row, contact) of force on the run (axis), point of the load (axis), and
+// the change of all energy with the place.
+RW_EXPORT I64 rw_contacts(char* const* bases, double* values) {
+    if (!baseline::are_bound(blocks_of(bases))) return -1;
+    baseline::evaluate_contacts(blocks_of(bases), values);
+    return 0;
 }
 
 RW_EXPORT I64 rw_entries(char* const* bases) {

@@ -88,8 +88,8 @@ static void pass(const Blocks& blocks, const Model& m, const State& s, I64 q, bo
     s.sheave_loss[q] += energy - energy_with(m, s, blocks, node, m.sheave_node[q]);
 }
 
-I64 pass_nodes(char* model, char* state) {
-    const Blocks blocks{{model}, {state}, {nullptr}};
+I64 pass_nodes(char* const* bases) {
+    const Blocks blocks{{bases[0]}, {bases[1]}, {bases[2]}};
     const Model m(blocks.model);
     const State s(blocks.state);
     I64 count = 0;

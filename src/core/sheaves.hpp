@@ -6,6 +6,6 @@
 namespace baseline {
 
 // Let nodes that are close to a sheave pass it: how many did, or -1 where a run has come to its end.
-I64 pass_nodes(char* model, char* state);
+I64 pass_nodes(char* const* bases);
 
 }  // namespace baseline

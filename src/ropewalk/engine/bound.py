@@ -32,6 +32,7 @@ class Potentials(NamedTuple):
     """Potential energies of a structure, J."""
 
     elastic: float
+    """Of all elements; contacts with the potential of the forces that are given there."""
     weight: float
 
 
@@ -42,6 +43,17 @@ class SheaveGrips(NamedTuple):
     behind: Array
     angle: Array
     most: Array
+
+
+class ContactForces(NamedTuple):
+    """Contacts at a state."""
+
+    force: Array
+    """(axis, contact) of the load on its run, N."""
+    point: Array
+    """(axis, contact) where it acts, m; zero where a contact is off its run."""
+    driving: Array
+    """(contact,) force that moves a contact along its run: change of all energy with its place, N."""
 
 
 class TangentMatrices(NamedTuple):
@@ -145,6 +157,13 @@ class Bound:
         """Let nodes that are close to a sheave pass it, as a step does; return how many did."""
         return int(library().rw_pass(self._bases))
 
+    def contacts(self) -> ContactForces:
+        """Return the forces of contacts at the positions of the State."""
+        axes, count = self.model.sizes["AXES"], self.model.sizes["CONTACTS"]
+        values = np.zeros((2 * axes + 1, count))
+        library().rw_contacts(self._bases, values.ctypes.data)
+        return ContactForces(values[:axes], values[axes : 2 * axes], values[2 * axes])
+
     def kinetic_energy(self) -> float:
         """Return the kinetic energy at the instant of the positions, J."""
         moves = self.model.mobility > 0.0
@@ -206,6 +225,7 @@ _FAULTS = {
 _ADMITTED = {
     "FINITE": "finite numbers", "NOT_NEGATIVE": "finite numbers that are not negative", "POSITIVE": "positive numbers",
     "FLAG": "0 or 1", "COUNT": "whole numbers that are not negative", "NODE": "nodes", "RUN": "runs",
+    "OPTION": "nodes, or -1",
 }  # fmt: skip
 
 
