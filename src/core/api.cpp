@@ -102,9 +102,9 @@ RW_EXPORT I64 rw_energies(char* const* bases, double* energies) {
 }
 
 // Of each sheave: tension before and behind it, angle, largest friction (4, sheave).
-RW_EXPORT I64 rw_grips(char* const* bases, double* grips) {
+RW_EXPORT I64 rw_sheaves(char* const* bases, double* values) {
     if (!baseline::are_bound(blocks_of(bases))) return -1;
-    baseline::find_grips(blocks_of(bases), grips);
+    baseline::evaluate_sheaves(blocks_of(bases), values);
     return 0;
 }
 

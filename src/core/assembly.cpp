@@ -102,13 +102,13 @@ struct Assembly {
                 energies[1] -= m.weight[i] * s.position[i];
     }
 
-    void grips(double* grips) const {
+    void at_sheaves(double* values) const {
         visit_sheaves<AXES>(m, s, [&]<class E>(I64 q, const Pieces& p, const I64* nodes) {
             double x[E::UNKNOWNS];
             gather<E, AXES>(s.position, m.stride, nodes, x);
-            const Grip grip = grip_of<AXES>(p, m.sheave_friction[q], x);
-            grips[q] = grip.before, grips[m.sheaves + q] = grip.behind;
-            grips[2 * m.sheaves + q] = grip.angle, grips[3 * m.sheaves + q] = grip.most;
+            const AtSheave at = at_sheave<AXES>(p, m.sheave_friction[q], x);
+            values[q] = at.before, values[m.sheaves + q] = at.behind;
+            values[2 * m.sheaves + q] = at.angle, values[3 * m.sheaves + q] = at.most;
         });
     }
 
@@ -153,8 +153,8 @@ void sum_energies(const Blocks& blocks, double* energies) {
     with_assembly(blocks, [&](const auto& all) { all.energies(energies); });
 }
 
-void find_grips(const Blocks& blocks, double* grips) {
-    with_assembly(blocks, [&](const auto& all) { all.grips(grips); });
+void evaluate_sheaves(const Blocks& blocks, double* values) {
+    with_assembly(blocks, [&](const auto& all) { all.at_sheaves(values); });
 }
 
 void evaluate_contacts(const Blocks& blocks, double* values) {

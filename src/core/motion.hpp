@@ -130,7 +130,7 @@ struct Motion {
         visit_sheaves<AXES>(m, s, [&]<class E>(I64 q, const Pieces& p, const I64* nodes) {
             double x[E::UNKNOWNS];
             gather<E, AXES>(s.position, m.stride, nodes, x);
-            const double most = grip_of<AXES>(p, m.sheave_friction[q], x).most, mobility = m.mobility[nodes[3]];
+            const double most = at_sheave<AXES>(p, m.sheave_friction[q], x).most, mobility = m.mobility[nodes[3]];
             if (!(most > 0.0 && mobility > 0.0)) return;
             double& force = w.force[nodes[3]];
             const double v = s.velocity[nodes[3]], stop = -(v / (kick * mobility) + force);

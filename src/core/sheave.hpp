@@ -83,13 +83,13 @@ struct OverSheave {
 
 // Of a sheave: tensions before and behind it, the angle by which the rope turns, and the most that friction bears of
 // the force on the split.
-struct Grip {
+struct AtSheave {
     double before, behind, angle, most;
 };
 
 // Euler and Eytelwein: the rope slips where one tension is exp(mu angle) times the other.
 template <int AXES>
-inline Grip grip_of(const Pieces& p, double friction, const double* x) {
+inline AtSheave at_sheave(const Pieces& p, double friction, const double* x) {
     double length[2], weight[2]{}, sum = 0.0, difference = 0.0;
     for (int side = 0; side < 2; side++) {
         double square = 0.0;

@@ -71,7 +71,7 @@ def compute(core: ctypes.CDLL, bases: ctypes.Array[ctypes.c_void_p], size: int, 
     velocities, forces = np.zeros((2, size))
     core.rw_forces(bases, velocities.ctypes.data, forces.ctypes.data)
     core.rw_energies(bases, forces.ctypes.data)
-    core.rw_grips(bases, velocities.ctypes.data)
+    core.rw_sheaves(bases, velocities.ctypes.data)
     core.rw_pass(bases)
     count = core.rw_entries(bases)
     entries = np.zeros((4, max(count, 0)))

@@ -94,13 +94,13 @@ def test_a_rope_over_a_sheave_has_the_tension_of_its_catenary(drawing: str, chan
     """The catenary of 52 m over 50 m has 564.55 N at its ends, if it does not stretch; the tail bears 40 m less."""
     rope = tower(drawing, **changes)  # type: ignore[arg-type]
     assert find_equilibrium(rope.bound, 500).outcome == "found"
-    grips, pull = rope.bound.grips(), np.hypot(*rope.bound.forces()[:, [rope.begin, rope.end]])
+    sheaves, pull = rope.bound.sheaves(), np.hypot(*rope.bound.forces()[:, [rope.begin, rope.end]])
     stretched = 0.07 if changes.get("EA") == 1e5 else 1.6e-3  # by 0.5 %, and by 5e-5
     mesh = 0.006 if changes.get("links") == 20 else 0.0
     assert pull[0] == pytest.approx(564.55, rel=stretched + mesh)
     # but for half of the strain of what the pieces weigh, and rounding
-    assert grips.before == pytest.approx(grips.behind, rel=10.0 / changes.get("EA", 1e7) + 2e-8)
-    assert pull[1] == pytest.approx(grips.behind[0] - 40.0 * 9.81, rel=0.02 if "EA" in changes else 1e-3)
+    assert sheaves.before == pytest.approx(sheaves.behind, rel=10.0 / changes.get("EA", 1e7) + 2e-8)
+    assert pull[1] == pytest.approx(sheaves.behind[0] - 40.0 * 9.81, rel=0.02 if "EA" in changes else 1e-3)
 
 
 @DRAWINGS
@@ -111,7 +111,7 @@ def test_a_slack_tail_hangs_at_the_sheave(drawing: str, length: float) -> None:
     assert find_equilibrium(rope.bound, 500).outcome == "found"
     borne = -rope.bound.forces()[:, [rope.begin, rope.end, rope.bound.model.sheave_node[0]]].sum(axis=1)
     assert borne == pytest.approx([0.0, length * 9.81], abs=1e-6)
-    assert rope.bound.grips().before == pytest.approx(rope.bound.grips().behind, rel=1e-6)
+    assert rope.bound.sheaves().before == pytest.approx(rope.bound.sheaves().behind, rel=1e-6)
 
 
 @DRAWINGS
@@ -123,8 +123,8 @@ def test_equal_weights_over_a_sheave_come_to_rest(drawing: str, links: int) -> N
     heights = rope.bound.state.position[1, [rope.begin, rope.end]]
     assert heights[0] == pytest.approx(heights[1], abs=1e-9)
     vertical = 6.0 * 9.81 - 100.0 * (-4.0 - heights[0]) + 0.02 * 4.0 * 9.81
-    assert rope.bound.grips().before == pytest.approx(vertical * np.hypot(1.0, 0.05 / 4.0), rel=5e-6)  # it sags
-    assert rope.bound.grips().before == pytest.approx(rope.bound.grips().behind, rel=2e-7)
+    assert rope.bound.sheaves().before == pytest.approx(vertical * np.hypot(1.0, 0.05 / 4.0), rel=5e-6)  # it sags
+    assert rope.bound.sheaves().before == pytest.approx(rope.bound.sheaves().behind, rel=2e-7)
 
 
 @DRAWINGS
@@ -133,7 +133,7 @@ def test_weights_over_a_pulley_come_to_rest_from_any_drawing(drawing: str, at: t
     """The rope of 1 g/m bears 1 kg, and the thread the other half of a kilogram."""
     rope, thread = pulley(drawing, at=at)
     assert find_equilibrium(rope.bound, 500).outcome == "found"
-    assert rope.bound.grips().before == pytest.approx(9.81, rel=1.1e-3)  # its own weight
+    assert rope.bound.sheaves().before == pytest.approx(9.81, rel=1.1e-3)  # its own weight
     assert np.hypot(*rope.bound.forces()[:, thread]) == pytest.approx(4.905, rel=6e-3)  # its own, and 1 : 13 of slope
 
 
@@ -158,9 +158,9 @@ def test_a_rope_sticks_and_slips_where_euler_and_eytelwein_say(axes: int) -> Non
         before = state.position[0, rope.bound.model.sheave_split[0]] + 0.5 * state.run_links[0]
         state.position[:, rope.end] = (1.0 + part) * end
         assert follow_slips(rope.bound).outcome == "found"
-        grips = rope.bound.grips()
+        sheaves = rope.bound.sheaves()
         slip = state.position[0, rope.bound.model.sheave_split[0]] + 0.5 * state.run_links[0] - before
-        limit, ratio = np.exp(0.3 * grips.angle[0]), float(grips.behind[0] / grips.before[0])
+        limit, ratio = np.exp(0.3 * sheaves.angle[0]), float(sheaves.behind[0] / sheaves.before[0])
         kinds.append(0 if abs(slip) < 1e-12 else int(np.sign(slip)))
         if kinds[-1]:
             assert ratio == pytest.approx(limit ** -kinds[-1], rel=1e-6)
@@ -250,11 +250,13 @@ def test_a_rope_that_is_drawn_over_a_sheave_slips_at_the_limit() -> None:
     for _ in range(4):
         lost = bound.state.sheave_loss[0]
         bound.advance(steps, dt)
-        grips = bound.grips()
-        assert grips.angle == pytest.approx(turn, abs=1e-9)
-        assert grips.behind / grips.before == pytest.approx(np.exp(0.3 * grips.angle), rel=5e-5)  # its inertia
+        sheaves = bound.sheaves()
+        assert sheaves.angle == pytest.approx(turn, abs=1e-9)
+        assert sheaves.behind / sheaves.before == pytest.approx(np.exp(0.3 * sheaves.angle), rel=5e-5)  # its inertia
         power = (bound.state.sheave_loss[0] - lost) / (steps * dt)
-        assert power == pytest.approx(0.2 * (grips.behind[0] - grips.before[0]), rel=0.02)  # it is stretched by 0.5 %
+        assert power == pytest.approx(
+            0.2 * (sheaves.behind[0] - sheaves.before[0]), rel=0.02
+        )  # it is stretched by 0.5 %
     assert bound.state.run_links[0] < 18  # of 20
 
 
@@ -383,3 +385,10 @@ def test_no_force_travels_over_a_sheave() -> None:
     builder.add_force(1, [0.0, -1.0], 0.0, 1.0)
     with pytest.raises(RopewalkError, match=r"contact_run\[0\] is 1; a rope over a sheave"):
         Bound(*builder.build())
+
+
+def test_the_energy_is_infinite_where_a_piece_would_have_no_length() -> None:
+    bound = over_sheaves()
+    for split in (-0.1, 0.0, 1.0, 1.2):
+        bound.state.position[0, bound.model.sheave_split[0]] = split
+        assert bound.potentials().elastic == np.inf

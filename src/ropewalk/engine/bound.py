@@ -36,7 +36,7 @@ class Potentials(NamedTuple):
     weight: float
 
 
-class SheaveGrips(NamedTuple):
+class SheaveForces(NamedTuple):
     """Of each sheave: tensions before and behind it, N, angle of the turn, and the most that friction bears, N."""
 
     before: Array
@@ -147,11 +147,11 @@ class Bound:
         library().rw_energies(self._bases, found.ctypes.data)
         return Potentials(*found.tolist())
 
-    def grips(self) -> SheaveGrips:
+    def sheaves(self) -> SheaveForces:
         """Return what ropes do at sheaves at the positions of the State."""
         found = np.zeros((4, self.model.sizes["SHEAVES"]))
-        library().rw_grips(self._bases, found.ctypes.data)
-        return SheaveGrips(*found)
+        library().rw_sheaves(self._bases, found.ctypes.data)
+        return SheaveForces(*found)
 
     def pass_nodes(self) -> int:
         """Let nodes that are close to a sheave pass it, as a step does; return how many did."""

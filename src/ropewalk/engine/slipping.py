@@ -34,11 +34,11 @@ def follow_slips(bound: Bound, iterations: int = 200) -> SearchOutcome:
         count += found.iterations
         if found.outcome != "found":
             break
-        grips, pull = bound.grips(), bound.forces()[0, model.sheave_split]
-        begins = np.isnan(forces) & (np.abs(pull) > grips.most + SLIP * _largest(bound))
-        forces[begins] = -np.copysign(grips.most, pull)[begins]
+        sheaves, pull = bound.sheaves(), bound.forces()[0, model.sheave_split]
+        begins = np.isnan(forces) & (np.abs(pull) > sheaves.most + SLIP * _largest(bound))
+        forces[begins] = -np.copysign(sheaves.most, pull)[begins]
         slips = np.flatnonzero((model.sheave_friction > 0.0) & ~np.isnan(forces))
-        miss = forces - np.copysign(grips.most, forces)
+        miss = forces - np.copysign(sheaves.most, forces)
         if not begins.any() and np.abs(miss[slips]).max(initial=0.0) <= SLIP * _largest(bound):
             return found._replace(iterations=count)
         forces[slips] -= np.linalg.solve(_derivatives(bound, forces, slips), miss[slips])
@@ -46,8 +46,8 @@ def follow_slips(bound: Bound, iterations: int = 200) -> SearchOutcome:
 
 
 def _largest(bound: Bound) -> float:
-    grips = bound.grips()
-    return float(np.maximum(grips.before, grips.behind).max(initial=0.0))
+    sheaves = bound.sheaves()
+    return float(np.maximum(sheaves.before, sheaves.behind).max(initial=0.0))
 
 
 def _derivatives(bound: Bound, forces: Array, slips: NDArray[np.int64]) -> Array:
@@ -63,7 +63,7 @@ def _derivatives(bound: Bound, forces: Array, slips: NDArray[np.int64]) -> Array
         sides = []
         for sign in (1.0, -1.0):
             position[:] = begin + sign * size * way
-            sides.append(np.copysign(bound.grips().most, forces)[slips])
+            sides.append(np.copysign(bound.sheaves().most, forces)[slips])
         found[:, column] -= (sides[0] - sides[1]) / (2.0 * size)
     position[:] = begin
     return found
