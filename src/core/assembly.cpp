@@ -28,6 +28,13 @@ static void visit_elements(const Model& m, const State& s, Visit visit) {
         const I64 nodes[] = {m.spring_begin[k], m.spring_end[k]};
         visit.template operator()<Straight<AXES>>(p, nodes);
     }
+    for (I64 band = 0; band < m.bands; band++) {
+        const Axial<double> p = springs_of(m, band);
+        for (I64 k = 0; k < m.band_springs[band]; k++) {
+            const I64 nodes[] = {m.band_begin[band] + k, m.band_end[band] + k};
+            visit.template operator()<Straight<AXES>>(p, nodes);
+        }
+    }
     visit_others<AXES>(m, s, visit);
 }
 

@@ -90,6 +90,22 @@ static Finding check_springs(const Model& m) {
         if (m.spring_begin[k] == m.spring_end[k]) return {Fault::SPRING, number_of_spring_end, k};
         if (!m.viscous && m.spring_damping[k] > 0.0) return {Fault::UNDAMPED, number_of_spring_damping, k};
     }
+    for (I64 k = 0; k < m.counts[PLAYS]; k++)
+        if (m.play_begin[k] == m.play_end[k]) return {Fault::SPRING, number_of_play_end, k};
+    return {Fault::NONE, 0, 0};
+}
+
+static Finding check_bands(const Model& m) {
+    I64 before = 0;
+    for (I64 k = 0; k < m.bands; k++) {
+        const I64 begin = m.band_begin[k], end = m.band_end[k], springs = m.band_springs[k];
+        const I64 low = begin < end ? begin : end, high = begin < end ? end : begin;
+        if (springs < 1 || springs > m.nodes - high || springs > high - low)
+            return {Fault::BAND, number_of_band_springs, k};
+        if (low < before) return {Fault::BAND, number_of_band_begin, k};
+        if (!m.viscous && m.band_damping[k] > 0.0) return {Fault::UNDAMPED, number_of_band_damping, k};
+        before = low;
+    }
     return {Fault::NONE, 0, 0};
 }
 
@@ -149,6 +165,8 @@ static void prepare(const Model& m, const State& s, Workspace& w) {
     visit_others<2>(m, s, [&]<class E>(const auto&, const I64* nodes) {
         for (int i = 0; i < E::UNKNOWNS / 2; i++) pull(nodes[i]);
     });
+    for (I64 band = 0; band < m.bands; band++)
+        for (I64 k = 0; k < m.band_springs[band]; k++) pull(m.band_begin[band] + k), pull(m.band_end[band] + k);
 }
 
 Finding bind(const Blocks& blocks, const I64* bytes) {
@@ -167,6 +185,7 @@ Finding bind(const Blocks& blocks, const I64* bytes) {
     for (I64 i = 0; i < m.nodes; i++) w.force[i] = 0.0;
     if (const Finding found = check_runs(m, s); found.fault != Fault::NONE) return found;
     if (const Finding found = check_springs(m); found.fault != Fault::NONE) return found;
+    if (const Finding found = check_bands(m); found.fault != Fault::NONE) return found;
     if (const Finding found = check_joints(m, s, w); found.fault != Fault::NONE) return found;
     prepare(m, s, w);
     blocks.work.header().is_bound = 1;

@@ -4,6 +4,7 @@
 // call takes makes no difference to any bit.
 #pragma once
 
+#include "band.hpp"
 #include "elements.hpp"
 #include "stencil.hpp"
 #include "sweep.hpp"
@@ -34,12 +35,15 @@ struct Motion {
         add_others();
         press_contacts();
         sum_work(kick);
+        I64 band = 0;
         for (I64 run = 0; run < m.runs; run++) {
+            pull_bands(band, s.run_first[run] + s.run_links[run]);
             if (m.run_curved[run])
                 Sweep<AXES, VISCOUS, true>(m, s, w, step, run).run();
             else
                 Sweep<AXES, VISCOUS, false>(m, s, w, step, run).run();
         }
+        pull_bands(band, m.nodes);
         join(w.force, true);
         move_others(step);
         join(s.position, false);
@@ -49,6 +53,12 @@ struct Motion {
         for (I64 k = 0; k < m.contacts; k++) s.contact_place[k] += dt * s.contact_speed[k];
         s.time[0] += dt;
         s.lag[0] = 0.5 * dt;
+    }
+
+    // Bands from this one on that begin at a node or before it.
+    void pull_bands(I64& band, I64 node) {
+        for (; band < m.bands && (m.band_begin[band] <= node || m.band_end[band] <= node); band++)
+            pull_band<AXES, VISCOUS>(m, s, w, band);
     }
 
     void pull_springs() {

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from core_structures import STRUCTURES, bridge, rope
+from core_structures import STRUCTURES, bridge, net, rope
 from ropewalk.engine.bound import Bound
 from ropewalk.engine.library import variants
 
@@ -24,6 +24,10 @@ HASHES = {
     "bridge under a force": "dbf7ae0bc2112477",
     "tripod": "ba481401520e0ea1",
     "damped tripod": "eb7dd026cbf0b587",
+    "free play": "6bbb3651fc1d8dfc",
+    "damped free play in space": "b9c4872f0e615454",
+    "net under a force": "97e07dddbf323754",
+    "damped free net": "a4d4a63a134f72e5",
 }
 """Of positions and velocities: of every processor, compiler and variant. New structures add a line."""
 
@@ -37,7 +41,7 @@ def test_states_are_the_same_on_every_platform_and_in_every_variant(kind: str) -
         assert found.hexdigest()[:16] == HASHES[kind], variant
 
 
-@pytest.mark.parametrize("make", [rope, bridge])
+@pytest.mark.parametrize("make", [rope, bridge, net])
 def test_division_into_calls_changes_no_bit(make: Callable[[], Bound]) -> None:
     whole, parts = make(), make()
     whole.advance(1000, STEP)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from core_structures import bridge, rope
+from core_structures import STRUCTURES, bridge, net, rope
 from ropewalk.engine.bound import Bound
 from ropewalk.engine.library import library
 from ropewalk.engine.model import Block, dimensions, fields
@@ -54,11 +54,27 @@ def test_spoilt_entry_is_refused_by_name(name: str, entry: Any, value: float, me
         Bound(model, state)
 
 
+@pytest.mark.parametrize(("name", "entry", "value", "message"), [
+    ("band_springs", 1, 0, "band_springs[1] is 0; a band has at least one spring, its sides end at node 29"),
+    ("band_springs", 3, 6, "band_springs[3] is 6; a band"), ("band_end", 2, 13, "band_springs[2] is 4; a band"),
+    ("band_springs", 1, 7, "band_springs[1] is 7; a band"), ("band_begin", 3, 5, "band_begin[3] is 5; a band"),
+    ("band_end", 3, 30, "band_end[3] is node 30; nodes are 0 to 29"),
+    ("band_damping", 1, 2.0, "band_damping[1] is 2.0; a structure with dampers needs VISCOUS = NODES"),
+])  # fmt: skip
+def test_spoilt_band_is_refused_by_name(name: str, entry: int, value: float, message: str) -> None:
+    sound = net()
+    model = sound.model.copy()
+    getattr(model, name)[entry] = value
+    with pytest.raises(RopewalkError, match=re.escape(message)):
+        Bound(model, sound.state)
+
+
 def test_every_field_is_checked_for_numbers() -> None:
-    sound = bridge(damping=1.0, force=-5.0)
+    kinds = [make() for make in STRUCTURES.values()]
     for field in fields():
         if field.part == "WORK":
             continue
+        sound = next(each for each in kinds if all(each.model.sizes[name] for name in (field.rows, field.columns)))
         model, state = sound.model.copy(), sound.state.copy()
         view = getattr(model if field.part == "MODEL" else state, field.name)
         view.flat[view.size - 1] = np.nan if field.kind == "double" else -1

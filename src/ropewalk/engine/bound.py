@@ -162,7 +162,9 @@ _FAULTS = {
     6: "is {value}; a copy is no inner node of a run and no original, is named once, has no mobility, no weight, "
     "and the position and velocity of its original",
     7: "is node {value}, which is the first node of the spring, too",
-    8: "is {value}; a structure with dampers needs VISCOUS = NODES",
+    8: "is {value}; a band has at least one spring, its sides end at node {last} at most and have no node in common, "
+    "and bands are in the order of their lowest nodes",
+    9: "is {value}; a structure with dampers needs VISCOUS = NODES",
 }
 _ADMITTED = {
     "FINITE": "finite numbers", "NOT_NEGATIVE": "finite numbers that are not negative", "POSITIVE": "positive numbers",

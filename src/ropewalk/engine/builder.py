@@ -39,6 +39,15 @@ class SpringProperties:
     tension_only: bool = False
 
 
+@dataclass(frozen=True)
+class FreePlayProperties:
+    """Properties of a spring with free play: without force at lengths from `shortest` to `shortest + width`."""
+
+    stiffness: float
+    shortest: float
+    width: float
+
+
 @dataclass
 class Builder:
     """Collects the parts of a structure in space or in a vertical plane; the last axis is upwards."""
@@ -90,6 +99,23 @@ class Builder:
     def add_spring(self, begin: int, end: int, spring: SpringProperties) -> None:
         """Add a spring between two nodes."""
         self._elements["spring"].append({"begin": begin, "end": end} | asdict(spring))
+
+    def add_free_play(self, begin: int, end: int, play: FreePlayProperties) -> None:
+        """Add a spring with free play between two nodes."""
+        self._elements["play"].append({"begin": begin, "end": end} | asdict(play))
+
+    def add_band(self, begin: int, end: int, springs: int, spring: SpringProperties) -> None:
+        """Add equal springs from node `begin + k` to node `end + k`, such as the links between two threads of a net.
+
+        Args:
+            begin: first node on one side.
+            end: first node on the other side.
+            springs: number of springs; the two sides have no node in common.
+            spring: properties of each.
+        """
+        bands = self._elements["band"]
+        bands.append({"begin": begin, "end": end, "springs": springs} | asdict(spring))
+        bands.sort(key=lambda band: min(band["begin"], band["end"]))  # the order of the runs that they reach first
 
     def fix(self, *nodes: int, axes: Iterable[int] | None = None) -> None:
         """Prescribe velocities of nodes along some axes; None: all."""
