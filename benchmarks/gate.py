@@ -1,32 +1,32 @@
-"""Yardsticks of engines: ``python -m benchmarks gate [PART ...]``.
+"""Yardsticks of engines: ``python -m benchmarks gate --part PART``.
 
 contacts   errors of problems with exact answers on three meshes, by all schemes
 errors     CPU time to reach the same error, today's engines compared with the compiled core
+agreement  differences of fields of today's system and the core on the same mesh
 steps      CPU time per link and step, with the instruction sets of the core, and of a bare loop in C
 overhead   the reference model of EN 50318:2002 against its ranges
 setup      CPU time of the set-up for growing structures
 processes  CPU time of commands on examples, and of fresh processes of either engine
 
-All times are CPU time. What is compared is run in turn; ratios are medians of the ratios of each turn. `errors` and
-`steps` run in a process whose Numba is limited to AVX2 (`limited`), with kernels of its own.
+All times are CPU time. What is compared is run in turn; ratios are medians of the ratios of each turn. What compares
+the core runs in a process whose Numba is limited to AVX2, with kernels of its own (in the folder ROPEWALK_GATE_KERNELS,
+if that is set).
 """
 
 from __future__ import annotations
 
-import argparse
 import os
 import subprocess
 import sys
-import time as clock
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import lru_cache
-from pathlib import Path
 from statistics import median
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from platformdirs import user_cache_path
 
+from ropewalk.engine.library import variants
 from ropewalk.errors import RopewalkError
 from ropewalk.model import Scenario
 from ropewalk.system.equilibrium.form_finding import formed
@@ -35,13 +35,13 @@ from .bare import bare_loop
 from .cost import joined_ropes, rope
 from .nets import crossing
 from .overhead import motion_alone, reference
-from .problems import NEW, OLD, PROBLEMS, Problem
+from .problems import NEW, OLD, PROBLEMS, Problem, rms
 from .processes import processes
 from .schemes import CORE, ROPES, SPLINES, Core, Scheme, Timing
 from .setup import setup
 
 Array = np.ndarray
-MARCH = "haswell"
+MARCH, LIMITED = "haswell", ("errors", "agreement", "steps")
 WORK = 1e6
 """Links times steps of a measurement of `steps`, about."""
 
@@ -54,11 +54,12 @@ def table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
     sys.stdout.flush()
 
 
-def limited(part: str, words: Sequence[str], kernels: Path) -> None:
-    """Run a part in a process whose Numba is limited to AVX2. The name of a processor alone leaves AVX-512 on."""
-    numba = {"NUMBA_CPU_NAME": MARCH, "NUMBA_CPU_FEATURES": "", "NUMBA_CACHE_DIR": str(kernels)}
-    words = [sys.executable, "-m", "benchmarks.gate", "--here", *words, part]
-    subprocess.run(words, env={**os.environ, **numba}, check=True)
+def limited(part: str, words: Sequence[str]) -> None:
+    """Run a part in a process whose Numba is limited to AVX2; the name of the processor alone leaves AVX-512 on."""
+    kernels = os.environ.get("ROPEWALK_GATE_KERNELS") or str(user_cache_path("ropewalk-gate"))
+    numba = {"NUMBA_CPU_NAME": MARCH, "NUMBA_CPU_FEATURES": "", "NUMBA_CACHE_DIR": kernels}
+    command = [sys.executable, "-m", "benchmarks", "gate", "--part", part, *words]
+    subprocess.run(command, env={**os.environ, **numba}, check=True)
 
 
 def in_turn(timings: Mapping[str, Timing], rounds: int) -> dict[str, Array]:
@@ -172,7 +173,7 @@ def of_field(make: Callable[[int], Scenario], meshes: Sequence[int], lines: int 
         return np.asarray(frames[-1].position[shared(scenario, meshes[0] // lines)])
 
     def error(scheme: Scheme, n: int) -> float:
-        return float(np.sqrt(np.mean(np.square(field(scheme, n) - field(CORE, 2 * meshes[-1])))))
+        return rms(field(scheme, n) - field(CORE, 2 * meshes[-1]))
 
     return error
 
@@ -211,7 +212,21 @@ def errors(rows: Sequence[str] = (), rounds: int = 11, coarser: int = 1) -> None
     for problem in problems:
         if not rows or any(row in problem.name for row in rows):
             found.append(compared(problem, [n // coarser for n in problem.meshes], rounds))
-    table(["problem", "links", "today: errors", "core: errors", "error", "today, CPU ms", "core, CPU ms", "ratio"], found)
+    table(["problem", "links", "today: errors", "core: errors", "at", "today, CPU ms", "core, CPU ms", "ratio"], found)
+
+
+def agreement(rows: Sequence[str] = (), coarser: int = 1) -> None:
+    """Print by how much fields of today's system and of the core differ on the same mesh, over the largest motion."""
+    found = list[Sequence[object]]()
+    for name, (make, meshes, _) in STRUCTURES.items():
+        for n in (n // coarser for n in meshes if not rows or any(row in name for row in rows)):
+            scenario = make(n)
+            times = np.array([0.0, scenario.run.until])
+            (start, today), (_, core) = (np.array([frame.position for frame in way(scenario, times)])
+                                         for way in (SPLINES, CORE))  # fmt: skip
+            moved, apart = float(np.abs(today - start).max()), core - today
+            found.append([name, n, f"{moved:.3g}", f"{rms(apart) / moved:.1e}", f"{np.abs(apart).max() / moved:.1e}"])
+    table(["field, same mesh", "links", "largest motion, m", "difference, rms", "largest"], found)
 
 
 def compared(problem: Problem, meshes: Sequence[int], rounds: int) -> Sequence[object]:
@@ -251,47 +266,53 @@ def _asked(problem: Problem, scheme: Scheme, n: int) -> tuple[Scenario, float]:
         asked.append(scenario)
         return scheme(scenario, times)
 
-    if problem.measure == "field, m, rms":  # whose fields are kept by scheme
-        make = STRUCTURES[problem.name][0]
-        return make(n), problem.error(scheme, n)
     error = problem.error(noting, n)
     return asked[-1], error
 
 
-def steps(rounds: int = 11, variants: Sequence[str] = ("baseline", "avx2", "avx512"), coarser: int = 1) -> None:
-    """Print CPU time per link and step (net: node and step), ns."""
+class Shape(NamedTuple):
+    """A structure whose steps are timed."""
+
+    name: str
+    scenario: Scenario
+    links: int
+    """Links of a step; of a net, nodes."""
+    today: Scheme = SPLINES
+
+
+def shapes(coarser: int = 1) -> Iterator[Shape]:
+    """Yield structures, with runs of about WORK links and steps.
+
+    Args:
+        coarser: what numbers of links are divided by.
+    """
+    for n in (200 // coarser, 800 // coarser):
+        scenario = until(rope(n, 0.0), min(0.5, 1.1e-2 * WORK / n**2))
+        run = scenario.run.model_copy(update={"method": "verlet"})
+        yield Shape(f"one rope, {n} links", scenario.model_copy(update={"run": run}), n, ROPES)
+    for n in (50 // coarser, 200 // coarser, 800 // coarser):
+        yield Shape(f"joined ropes, {n} links", until(joined(n), min(0.5, 1e-2 * WORK / n**2)), n)
+    hangers = 50 // coarser
+    yield Shape(f"bridge, {hangers} hangers", bridge(16 * hangers + 16, hangers), 17 * hangers + 16)
+    cells = 99 // coarser
+    yield Shape(f"net, {cells + 1} x {cells + 1} nodes", until(net(cells), 0.005 * coarser), (cells + 1) ** 2)
+
+
+def steps(rounds: int = 11, coarser: int = 1) -> None:
+    """Print CPU time per link and step (of nets: per node and step), ns."""
     found = list[Sequence[object]]()
-    shapes: list[tuple[str, Callable[[int], Scenario], int]] = [
-        *(("one rope", _rope, n) for n in (200, 800)), *(("joined ropes, curved", joined, n) for n in (50, 200, 800)),
-        ("bridge, 50 hangers", bridge, 816), ("net, 100 x 100 nodes", net, 99),
-    ]  # fmt: skip
-    for name, make, n in ((name, make, n // coarser) for name, make, n in shapes):
-        scenario, count = _short(make(n), n, n + 50 if make is bridge else n)
-        schemes = {"today": ROPES if make is _rope else SPLINES, **{each: Core(each) for each in variants}}
-        timings = {each: scheme.timing(scenario) for each, scheme in schemes.items()}
-        links = count
-        if make is not net:
-            timings["bare"] = Timing(bare_loop(n, int(WORK / n), march=MARCH), int(WORK / n))
+    for shape in shapes(coarser):
+        schemes = {"today": shape.today, **{each: Core(each) for each in variants()}}
+        timings = {each: scheme.timing(shape.scenario) for each, scheme in schemes.items()}
+        count = int(WORK / shape.links)
+        timings["bare"] = Timing(bare_loop(shape.links, count, march=MARCH), count)
         spent = in_turn(timings, rounds)
-        per = {each: 1e9 * spent[each] / timing.steps / links for each, timing in timings.items()}
-        if make is not net:
-            per["bare"] = 1e9 * spent["bare"] / timings["bare"].steps / n
-        ratios = [f"{np.median(per['avx2'] / per[each]):.2f}" if each in per else "" for each in ("today", "bare")]
-        cells = [f"{np.median(per[each]):.2f}" if each in per else "" for each in ("today", "bare", *variants)]
-        found.append([f"{name}, {n}" if make is not net else name, *cells, *ratios])
-    table(["ns", "today, AVX2", "bare C loop, AVX2", *(f"core, {v}" for v in variants), "AVX2 of today's", "of the bare loop"], found)
-
-
-def _rope(elements: int) -> Scenario:
-    scenario = rope(elements, 0.0)
-    return scenario.model_copy(update={"run": scenario.run.model_copy(update={"method": "verlet"})})
-
-
-def _short(scenario: Scenario, n: int, links: int) -> tuple[Scenario, int]:
-    """Return a scenario with a run of about WORK links and steps, and the links or nodes that a step counts for."""
-    if scenario.nets:
-        return until(scenario, 0.005), (n + 1) ** 2
-    return until(scenario, min(0.5, (3e3 if links == n else 1e5) / links**2 * WORK / 1e6)), links
+        per = {each: 1e9 * spent[each] / timing.steps / shape.links for each, timing in timings.items()}
+        cells = [f"{np.median(per[each]):.2f}" for each in ("today", "bare", *variants())]
+        ratios = [f"**{np.median(per['avx2'] / per[each]):.2f}**" for each in ("today", "bare")]
+        found.append([shape.name, *cells, *ratios])
+    cores = (f"core, {each}" for each in variants())
+    table(["ns", "today, AVX2", "bare C loop, AVX2", *cores, "core, avx2, over today", "over the bare loop"], found)
 
 
 def overhead() -> None:
@@ -315,35 +336,14 @@ def overhead() -> None:
 
 def main(parts: Sequence[str] = (), rows: Sequence[str] = (), rounds: int = 11, cold: Sequence[str] = ()) -> None:
     """Print the tables of some parts; none: all."""
-    for part in parts or PARTS:
-        if part in LIMITED:
-            words = [*(word for row in rows for word in ("--row", row)), "--rounds", str(rounds)]
-            limited(part, words, Path(os.environ.get("ROPEWALK_GATE_KERNELS", user_cache_path("ropewalk-gate"))))
+    tables: dict[str, Callable[[], None]] = {
+        "contacts": lambda: contacts(rows), "errors": lambda: errors(rows, rounds),
+        "agreement": lambda: agreement(rows), "steps": lambda: steps(rounds),
+        "overhead": overhead, "setup": lambda: table(*setup()), "processes": lambda: processes(table, cold),
+    }  # fmt: skip
+    for part in parts or tables:
+        if part in LIMITED and os.environ.get("NUMBA_CPU_NAME") != MARCH:
+            limited(part, [*(word for row in rows for word in ("--row", row)), "--rounds", str(rounds)])
         else:
-            _part(part, rows, rounds, cold)
-
-
-def _part(part: str, rows: Sequence[str], rounds: int, cold: Sequence[str] = ()) -> None:
-    begin = clock.process_time()
-    print(f"\n{part}")
-    {"contacts": lambda: contacts(rows), "errors": lambda: errors(rows, rounds), "steps": lambda: steps(rounds),
-     "overhead": overhead, "setup": lambda: table(*setup()), "processes": lambda: processes(table, cold)}[part]()  # fmt: skip
-    print(f"\n{part}: {clock.process_time() - begin:.0f} s of CPU", file=sys.stderr)
-
-
-PARTS = ("contacts", "errors", "steps", "overhead", "setup", "processes")
-LIMITED = ("errors", "steps")
-
-if __name__ == "__main__":
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.gate", description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("parts", nargs="*", choices=[*PARTS, []], metavar="PART", help=", ".join(PARTS))
-    parser.add_argument("--row", action="append", default=[], help="part of the names of problems")
-    parser.add_argument("--rounds", type=int, default=11, help="turns of which medians are taken")
-    parser.add_argument("--cold", action="append", default=[], help="examples that processes runs without kernels, too")
-    parser.add_argument("--here", action="store_true", help="run in this process, as it is limited")
-    given = parser.parse_args()
-    if given.here:
-        for name in given.parts:
-            _part(name, given.row, given.rounds)
-    else:
-        main(given.parts, given.row, given.rounds, given.cold)
+            print(f"\n{part}")
+            tables[part]()

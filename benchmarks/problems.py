@@ -1,6 +1,6 @@
-"""Problems of loads that meet lines, with exact answers or another scheme next to them (docs/notes/gate-of-contacts.md).
+"""Problems of loads that meet lines, with exact answers or another scheme next to them.
 
-A problem gives its error by any scheme on any mesh.
+A problem gives its error by any scheme on any mesh (docs/notes/gate-of-contacts.md).
 """
 
 from __future__ import annotations
