@@ -44,7 +44,7 @@ TABLES = {
     "nets": ("A mass that crosses a net", "-m benchmarks nets"),
     "overhead": ("Overhead lines against real time", "-m benchmarks overhead"),
     "cosim": ("An exchange with an FMU", "-m benchmarks cosim"),
-    "output": ("Instants of output, first runs, large results", "-m benchmarks output"),
+    "output": ("Instants of output, large results", "-m benchmarks output"),
     "throughput": ("Sweeps compared with a loop", "-m benchmarks throughput"),
     "many": ("Many runs in one sweep", "-m benchmarks many --whole"),
     "endurance": ("Long runs, large lines", "-m benchmarks endurance"),
