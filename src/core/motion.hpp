@@ -8,6 +8,7 @@
 #include "elements.hpp"
 #include "stencil.hpp"
 #include "sweep.hpp"
+#include "team.hpp"
 
 namespace RW_VARIANT {
 
@@ -18,34 +19,51 @@ struct Motion {
     const Model& m;
     const State& s;
     Workspace& w;
+    const Team team;
 
     I64 advance(I64 steps, double dt, const volatile I32* stop, I64* done) {
         for (*done = 0; *done < steps; ++*done) {
-            if (*stop) return STOPPED;
-            take_step(dt);
+            if (team.leads() && !(w.halted[0] = *stop != 0)) begin_step(dt);
+            team.meet();
+            if (w.halted[0]) return STOPPED;
+            for (I64 part = team.thread; part < m.parts; part += team.threads) sweep_part(dt, part);
+            team.meet();
+            if (team.leads()) end_step(dt);
         }
-        return is_finite() ? DONE : DIVERGED;
+        return !team.leads() || is_finite() ? DONE : DIVERGED;
     }
 
   private:
-    void take_step(double dt) {
-        const double kick = s.lag[0] + 0.5 * dt;
-        const Step step{kick, dt, 0.5 * dt / kick};
+    // What concerns several parts, before any node is moved.
+    void begin_step(double dt) {
         pull_springs();
         add_others();
         press_contacts();
-        sum_work(kick);
+        sum_work(s.lag[0] + 0.5 * dt);
+        pull_bands(0, m.nodes, m.parts);
+    }
+
+    // Runs of a part and the bands inside it.
+    void sweep_part(double dt, I64 part) {
+        const double kick = s.lag[0] + 0.5 * dt;
+        const Step step{kick, dt, 0.5 * dt / kick};
+        const I64 last = part + 1 < m.parts ? m.part_run[part + 1] : m.runs;
         I64 band = 0;
-        for (I64 run = 0; run < m.runs; run++) {
-            pull_bands(band, s.run_first[run] + s.run_links[run]);
+        for (I64 run = m.part_run[part]; run < last; run++) {
+            band = pull_bands(band, s.run_first[run] + s.run_links[run], part);
             if (m.run_curved[run])
-                Sweep<AXES, VISCOUS, true>(m, s, w, step, run).run();
+                Sweep<AXES, VISCOUS, true>(m, s, w, step, run, part).run();
             else
-                Sweep<AXES, VISCOUS, false>(m, s, w, step, run).run();
+                Sweep<AXES, VISCOUS, false>(m, s, w, step, run, part).run();
         }
-        pull_bands(band, m.nodes);
+        pull_bands(band, m.nodes, part);
+    }
+
+    // Nodes between and beyond runs.
+    void end_step(double dt) {
+        const double kick = s.lag[0] + 0.5 * dt;
         join(w.force, true);
-        move_others(step);
+        move_others(Step{kick, dt, 0.5 * dt / kick});
         join(s.position, false);
         join(s.velocity, false);
         if constexpr (VISCOUS) join(s.predicted, false);
@@ -55,10 +73,11 @@ struct Motion {
         s.lag[0] = 0.5 * dt;
     }
 
-    // Bands from this one on that begin at a node or before it.
-    void pull_bands(I64& band, I64 node) {
+    // Bands of a part, from this one on, that begin at a node or before it. Returns the next one.
+    I64 pull_bands(I64 band, I64 node, I64 part) {
         for (; band < m.bands && (m.band_begin[band] <= node || m.band_end[band] <= node); band++)
-            pull_band<AXES, VISCOUS>(m, s, w, band);
+            if (w.band_part[band] == part) pull_band<AXES, VISCOUS>(m, s, w, band);
+        return band;
     }
 
     void pull_springs() {
