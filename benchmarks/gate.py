@@ -18,7 +18,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from statistics import median
 from typing import Any, NamedTuple
@@ -46,12 +46,11 @@ WORK = 1e6
 """Links times steps of a measurement of `steps`, about."""
 
 
-def table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
-    """Print a table in Markdown."""
+def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Print a table in Markdown, its rows as they come."""
     print("\n| " + " | ".join(head) + " |\n|" + "---|" * len(head))
     for row in rows:
-        print("| " + " | ".join(map(str, row)) + " |")
-    sys.stdout.flush()
+        print("| " + " | ".join(map(str, row)) + " |", flush=True)
 
 
 def limited(part: str, words: Sequence[str]) -> None:
@@ -141,19 +140,22 @@ def until(scenario: Scenario, end: float) -> Scenario:
     return scenario.model_copy(update={"run": scenario.run.model_copy(update={"until": end, "every": end})})
 
 
-def shared(scenario: Scenario, coarse: int) -> Array:
-    """Return numbers of the nodes of frames that a mesh shares with one of so many links in its first line or side."""
+def shared(scenario: Scenario, size: int, coarse: int) -> Array:
+    """Return numbers of the nodes, of so many, that a mesh shares with one of so many links in its first line or side.
+
+    The cable of a bridge is left out.
+    """
     if scenario.nets:
         cells = next(iter(scenario.nets.values())).cells[0]
         grid = np.arange((cells + 1) ** 2).reshape(cells + 1, cells + 1)
         return grid[:: cells // coarse, :: cells // coarse].ravel()
-    begin, found = 0, list[Array]()
-    first = next(iter(scenario.lines.values())).elements
-    for line in scenario.lines.values():
-        assert line.elements is not None
-        step = first // coarse if line.elements == first else 1
-        found.append(begin + np.arange(0, line.elements + 1, step))
-        begin += line.elements + 1
+    lines = list(scenario.lines.values())
+    first, sizes = lines[0].elements, [(line.elements or 0) + 1 for line in lines]
+    begin, found = size - sum(sizes), list[Array]()  # bays of a cable may have links more or less
+    for count, is_cable in zip(sizes, [bool(len(lines) > 2), *[False] * len(lines)], strict=False):
+        if not is_cable:
+            found.append(begin + np.arange(0, count, first // coarse if count == first + 1 else 1))
+        begin += count
     return np.concatenate(found)
 
 
@@ -169,8 +171,8 @@ def of_field(make: Callable[[int], Scenario], meshes: Sequence[int], lines: int 
     @lru_cache
     def field(scheme: Scheme, n: int) -> Array:
         scenario = make(n)
-        frames = scheme(scenario, np.array([0.0, scenario.run.until]))
-        return np.asarray(frames[-1].position[shared(scenario, meshes[0] // lines)])
+        position = scheme(scenario, np.array([0.0, scenario.run.until]))[-1].position
+        return np.asarray(position[shared(scenario, len(position), meshes[0] // lines)])
 
     def error(scheme: Scheme, n: int) -> float:
         return rms(field(scheme, n) - field(CORE, 2 * meshes[-1]))
@@ -208,10 +210,8 @@ def errors(rows: Sequence[str] = (), rounds: int = 11, coarser: int = 1) -> None
     for name, (make, meshes, lines) in STRUCTURES.items():
         coarse = tuple(n // coarser for n in meshes)
         problems.append(Problem(name, "field, m, rms", meshes, "", of_field(make, coarse, lines), core=True))
-    found = list[Sequence[object]]()
-    for problem in problems:
-        if not rows or any(row in problem.name for row in rows):
-            found.append(compared(problem, [n // coarser for n in problem.meshes], rounds))
+    asked = (problem for problem in problems if not rows or any(row in problem.name for row in rows))
+    found = (compared(problem, [n // coarser for n in problem.meshes], rounds) for problem in asked)
     table(["problem", "links", "today: errors", "core: errors", "at", "today, CPU ms", "core, CPU ms", "ratio"], found)
 
 
@@ -298,21 +298,25 @@ def shapes(coarser: int = 1) -> Iterator[Shape]:
     yield Shape(f"net, {cells + 1} x {cells + 1} nodes", until(net(cells), 0.005 * coarser), (cells + 1) ** 2)
 
 
-def steps(rounds: int = 11, coarser: int = 1) -> None:
+def steps(rows: Sequence[str] = (), rounds: int = 11, coarser: int = 1) -> None:
     """Print CPU time per link and step (of nets: per node and step), ns."""
-    found = list[Sequence[object]]()
-    for shape in shapes(coarser):
-        schemes = {"today": shape.today, **{each: Core(each) for each in variants()}}
-        timings = {each: scheme.timing(shape.scenario) for each, scheme in schemes.items()}
-        count = int(WORK / shape.links)
-        timings["bare"] = Timing(bare_loop(shape.links, count, march=MARCH), count)
-        spent = in_turn(timings, rounds)
-        per = {each: 1e9 * spent[each] / timing.steps / shape.links for each, timing in timings.items()}
-        cells = [f"{np.median(per[each]):.2f}" for each in ("today", "bare", *variants())]
-        ratios = [f"**{np.median(per['avx2'] / per[each]):.2f}**" for each in ("today", "bare")]
-        found.append([shape.name, *cells, *ratios])
     cores = (f"core, {each}" for each in variants())
-    table(["ns", "today, AVX2", "bare C loop, AVX2", *cores, "core, avx2, over today", "over the bare loop"], found)
+    head = ["ns", "today, AVX2", "bare C loop, AVX2", *cores, "core, avx2, over today", "over the bare loop"]
+    asked = (shape for shape in shapes(coarser) if not rows or any(row in shape.name for row in rows))
+    table(head, (timed(shape, rounds) for shape in asked))
+
+
+def timed(shape: Shape, rounds: int) -> Sequence[object]:
+    """Return a row of the table."""
+    schemes = {"today": shape.today, **{each: Core(each) for each in variants()}}
+    timings = {each: scheme.timing(shape.scenario) for each, scheme in schemes.items()}
+    count = int(WORK / shape.links)
+    timings["bare"] = Timing(bare_loop(shape.links, count, march=MARCH), count)
+    spent = in_turn(timings, rounds)
+    per = {each: 1e9 * spent[each] / timing.steps / shape.links for each, timing in timings.items()}
+    cells = [f"{np.median(per[each]):.2f}" for each in ("today", "bare", *variants())]
+    ratios = [f"**{np.median(per['avx2'] / per[each]):.2f}**" for each in ("today", "bare")]
+    return [shape.name, *cells, *ratios]
 
 
 def overhead() -> None:
@@ -338,7 +342,7 @@ def main(parts: Sequence[str] = (), rows: Sequence[str] = (), rounds: int = 11, 
     """Print the tables of some parts; none: all."""
     tables: dict[str, Callable[[], None]] = {
         "contacts": lambda: contacts(rows), "errors": lambda: errors(rows, rounds),
-        "agreement": lambda: agreement(rows), "steps": lambda: steps(rounds),
+        "agreement": lambda: agreement(rows), "steps": lambda: steps(rows, rounds),
         "overhead": overhead, "setup": lambda: table(*setup()), "processes": lambda: processes(table, cold),
     }  # fmt: skip
     for part in parts or tables:
