@@ -39,15 +39,17 @@ class CoreMotion:
         self.today = SystemMotion(self.scenario, RunInfo(), np.array([0.0, self.scenario.run.until]))
         self.steps = 0
         self.node = np.full(self.today.rest.shape[1], -1)  # of the core, by that of the system
-        self.bodies = list[int]()
+        self.bodies = dict[int, Array]()  # velocities at the start by nodes
         builder = self._builder()
         model, state = builder.build()
         self._set_weights(model)
         bare = Bound(model, state)
         self.step = SAFETY * 2.0 / largest_frequency(bare)
         self._add_loads(builder)
-        model, state = builder.build(self.step) if self.bodies else builder.build()
+        model, state = builder.build(step=self.step)
         self._set_weights(model)
+        for body, velocity in self.bodies.items():
+            state.velocity[:, body] = velocity
         self.bound = Bound(model, state)
         self.begin = state.copy()
 
@@ -109,13 +111,13 @@ class CoreMotion:
         if load.kind == "force":
             builder.add_force(run, load.force, place, speed)
             return
-        part = place / self.scenario.lines[load.on].length
-        start, end = (np.asarray(getattr(self.scenario.lines[load.on], name)) for name in ("start", "end"))
-        body = builder.add_node(start + part * (end - start), load.mass)
+        line = self.scenario.lines[load.on]
+        along = (np.asarray(line.end) - np.asarray(line.start)) / line.length
+        body = builder.add_node(np.asarray(line.start) + place * along, load.mass)
         if load.force is not None:
             builder.push(body, load.force)
         builder.add_contact(run, body, place, speed)
-        self.bodies.append(body)
+        self.bodies[body] = speed * along
 
     def _set_weights(self, model: Block) -> None:
         """Set weights as today's system has them near ends of runs, so that its rest is one of the core."""
@@ -144,7 +146,7 @@ class CoreMotion:
             self.advance(time, variant)
             position = self.bound.state.position
             shown = position[:, self.node[self.today.displayed]].T.copy()
-            found.append(CoreFrame(shown, time, position[:, self.bodies].T.copy(), np.full((1, 2), np.nan)))
+            found.append(CoreFrame(shown, time, position[:, list(self.bodies)].T.copy(), np.full((1, 2), np.nan)))
         return found
 
 
