@@ -51,9 +51,9 @@ def test_core_stays_at_the_rest_of_todays_system_and_moves_as_it_does(
     np.testing.assert_allclose(frames[1].position, frames[0].position, rtol=0, atol=1e-9)
     gate.agreement(["joined"], coarser=2)
     rows = cells(capsys.readouterr().out)
-    differences = [float(row[3]) for row in rows]
-    assert differences[-1] < 0.02  # contacts of today yield, those of the core do not
-    assert differences[-1] < 0.5 * differences[0]
+    # the same scheme with other steps, which miss by less than this part of the motion
+    assert len(rows) == 3
+    assert all(0.0 < float(row[3]) < 1e-4 for row in rows)
 
 
 def test_set_up_is_timed_for_growing_sizes(gate: ModuleType) -> None:
