@@ -80,16 +80,25 @@ class Today:
 class Core:
     """The compiled core, with one of its instruction sets."""
 
+    _last: tuple[Scenario, CoreMotion] | None = None
+
     def __init__(self, variant: str = VARIANT) -> None:
         self._variant = variant
 
+    @classmethod
+    def _motion(cls, scenario: Scenario) -> CoreMotion:
+        """Return the motion of a scenario, which all instruction sets share."""
+        if cls._last is None or cls._last[0] is not scenario:
+            cls._last = scenario, (CoreNet if scenario.nets else CoreMotion)(scenario)
+        return cls._last[1]
+
     def __call__(self, scenario: Scenario, times: Array) -> list[Any]:
         """Return the frames at some instants, s."""
-        return (CoreNet if scenario.nets else CoreMotion)(scenario).frames(times, self._variant)
+        return self._motion(scenario).frames(times, self._variant)
 
     def timing(self, scenario: Scenario) -> Timing:
         """Return the timing of a motion up to the end of its run."""
-        moving = (CoreNet if scenario.nets else CoreMotion)(scenario)
+        moving = self._motion(scenario)
 
         def repeat() -> float:
             moving.restart()
