@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ropewalk.engine.bound import Bound
 from ropewalk.engine.builder import Builder, ContactProperties, RunProperties, SpringProperties
+from ropewalk.engine.equilibrium import find_equilibrium
 from ropewalk.theory import string
 from ropewalk.theory.moving_oscillator import moving_oscillator
 
@@ -69,7 +70,7 @@ def test_string_under_a_travelling_force_of_fryba(part: float, largest: float) -
     """Slower than waves, nearly as fast, faster. Of the first order, as the corner at the front is."""
     errors = [error_of_force(part, links) for links in (50, 100)]
     assert errors[1] < largest
-    assert abs(orders_of(errors)[0] - 1.15) < 0.15
+    assert abs(orders_of(errors)[0] - 1.06) < 0.12
 
 
 # -- Masses ------------------------------------------------------------------------------------------------------------
@@ -138,6 +139,7 @@ def error_of_oscillator(stiffness: float, wheel: float, links: int) -> float:
     builder.add_contact(0, axle if wheel else body, 0.0, speed, contact)
     model, state = builder.build(step=times[1] / steps)
     state.velocity[0, body:] = speed * STRETCH
+    state.position[1, body] -= sprung * WEIGHT / stiffness  # in equilibrium on rigid ground
     bound, found = Bound(model, state), []
     for _ in range(count):
         bound.advance(steps, times[1] / steps)
@@ -160,38 +162,43 @@ def test_string_under_an_oscillator(stiffness: float, wheel: float, largest: flo
 # -- Energy ------------------------------------------------------------------------------------------------------------
 
 
-def audited(kind: str, factor: int, lean: float = 1.0) -> tuple[float, float]:
-    """Energy that is missing after a second, and the kinetic energy on the way; loads on a slack rope of 40 links."""
-    builder = Builder()
+def audited(kind: str, steps: int) -> tuple[float, float]:
+    """Energy that is missing within half a second, and the kinetic energy; loads on a slack rope of 40 links.
+
+    They begin in equilibrium, and then move with their prescribed speeds.
+    """
+    builder, x = Builder(), np.linspace(0.0, 20.0, 41)
     run = RunProperties(20.4 / 40, 1.0, 1e5, bending_stiffness=3e3 if kind == "stiff" else 0.0)
-    x = np.linspace(0.0, 20.0, 41)
-    points = np.array([x, lean * x / 20.0 - 2.4 * (x / 20.0) * (1.0 - x / 20.0) * 4.0 / 2.0])
+    points = np.array([x, x / 20.0 - 0.3 * x * (1.0 - x / 20.0)])
     builder.fix(*builder.add_run(points, run))
-    steps = 3200 * factor
     mass = builder.add_node(points[:, 5], 20.0)
     builder.add_contact(0, mass, 5.0 * run.link_length, 5.0)
     if kind == "force":
         builder.add_force(0, [0.0, -200.0], 20.0 * run.link_length, -4.0)
     model, state = builder.build(step=1.0 / steps)
-    state.velocity[0, mass] = 5.0
-    bound, missing, largest = Bound(model, state), 0.0, 0.0
-    begin = bound.kinetic_energy() + sum(bound.potentials())
-    for _ in range(10):
+    bound, speeds = Bound(model, state), state.contact_speed.copy()
+    state.contact_speed[:] = 0.0  # what makes a moving kink softer has no potential
+    assert find_equilibrium(bound).outcome == "found"
+    state.contact_speed[:] = speeds
+    ahead = state.position[:, 6] - state.position[:, 4]
+    state.velocity[:, mass] = 5.0 * ahead / np.hypot(*ahead)
+    missing, largest, begin = 0.0, 0.0, bound.kinetic_energy() + sum(bound.potentials())
+    for _ in range(5):
         bound.advance(steps // 10, 1.0 / steps)
-        kinetic, at = bound.kinetic_energy(), bound.contacts()
-        last_kick = bound.state.lag[0] * float(at.driving @ bound.state.contact_speed)
-        worked = float(bound.state.contact_work.sum()) + last_kick
+        last_kick = state.lag[0] * float(bound.contacts().driving @ state.contact_speed)
+        worked, kinetic = float(state.contact_work.sum()) + last_kick, bound.kinetic_energy()
         missing = max(missing, abs(kinetic + sum(bound.potentials()) - begin - worked))
         largest = max(largest, kinetic)
+    assert abs(worked) > 1.0
     return missing, largest
 
 
 @pytest.mark.parametrize("kind", ["mass", "stiff", "force"])
 def test_work_of_what_moves_contacts_is_the_gain_of_energy(kind: str) -> None:
-    missing, kinetic = zip(*(audited(kind, factor) for factor in (1, 2)), strict=True)
+    missing, kinetic = zip(*(audited(kind, steps) for steps in (3200, 6400)), strict=True)
     print("audit", kind, np.array(missing) / kinetic)
     assert missing[1] < 1e-6 * kinetic[1]
-    assert missing[0] / missing[1] > 2.0
+    assert missing[0] / missing[1] > 1.8
 
 
 def test_body_above_a_line_can_leave_it() -> None:
@@ -211,6 +218,6 @@ def test_body_above_a_line_can_leave_it() -> None:
         if leaves:
             assert not np.any(bound.contacts().force)
             assert heights[1] == pytest.approx(0.1 * 0.1 - 0.5 * 0.1**2, abs=1e-6)
-            bound.advance(1200, 1e-4)
+            bound.advance(1100, 1e-4)
             assert bound.contacts().force[1, 0] < 0.0
     assert heights[0] < heights[1] - 1e-3

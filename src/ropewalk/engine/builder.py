@@ -227,7 +227,7 @@ class Builder:
     def _end_masses(self, nodes: int) -> Array:
         """Return what weighs more or less at nodes (node,) than their masses, kg.
 
-        The second difference of a curved run is zero at its ends, which are hinged, though a load curves the line there.
+        The second difference of a curved run is zero at its ends, which are hinged, but a load curves the line there.
         So a twelfth of the load on a link acts a link further in: by the forces of the links when nodes are on the
         exact line. Else lines hang right to the second order only.
         """
