@@ -29,7 +29,9 @@ def rotations_of(pantograph: Pantograph) -> dict[str, HeadRotation]:
 def row_of(pantograph: Pantograph, ahead: float = 0.0, aside: float = 0.0) -> Array:
     """Height of a point of its head by its coordinates, (coordinate,).
 
-    `ahead`: m, of the middle of the head; `aside`: m, to the left of it.
+    Args:
+        ahead: m, of the middle of the head.
+        aside: m, to the left of it.
     """
     lever = {"pitch": ahead, "roll": aside}
     heights = np.eye(len(pantograph.parts.masses))[-1]
@@ -57,7 +59,8 @@ def vehicle_of(
 ) -> tuple[VehicleMatrices, list[Body]]:
     """A pantograph above contacts without mass, as a vehicle is on wheels, and what results show of it.
 
-    `ahead`: m, by how much the strip of each is ahead of the middle of the head.
+    Args:
+        ahead: m, by how much the strip of each is ahead of the middle of the head.
     """
     M, C, K = matrices_of(pantograph)
     n = M.shape[0]

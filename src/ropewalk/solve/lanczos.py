@@ -16,7 +16,8 @@ def eigenpairs(matrix: Any, how_many: int, **options: Any) -> Any:
 
     A second attempt takes more vectors, which many alike eigenvalues need.
 
-    `matrix`: (n, n), sparse or an operator.
+    Args:
+        matrix: (n, n), sparse or an operator.
     """
     try:
         return eigsh(matrix, k=how_many, **options)

@@ -52,7 +52,8 @@ _PRESENT: ContextVar[_Effort | None] = ContextVar("search", default=None)
 def search(names: Sequence[str] = ()) -> Iterator[None]:
     """Count what is done within as one search, or as a part of the present one.
 
-    `names`: lines of the runs whose equilibrium is sought, for messages.
+    Args:
+        names: lines of the runs whose equilibrium is sought, for messages.
     """
     present = _PRESENT.get()
     if present is not None:

@@ -39,7 +39,9 @@ class Borne:
 class Bearing:
     """Lets loads stand on wires.
 
-    `unstrained`: (node,) m, of the link behind each node; `space`: whether anything moves sideways.
+    Args:
+        unstrained: (node,) m, of the link behind each node.
+        space: whether anything moves sideways.
     """
 
     def __init__(

@@ -64,7 +64,8 @@ class WireNote(NamedTuple):
 class Pictures:
     """What makes frames; the energies of the first one are the origin of its audit.
 
-    `sample`: s, from one sample to the next.
+    Args:
+        sample: s, from one sample to the next.
     """
 
     def __init__(

@@ -237,7 +237,8 @@ def contacts_of(
 ) -> tuple[Any, Tables, BodyArrays]:
     """Contacts of all loads, their histories, and what has a mass above them.
 
-    `on`: numbers of the lines of loads, by their names.
+    Args:
+        on: numbers of the lines of loads, by their names.
     """
     wheels, loads, dim = loading.wheels, loading.loads, len(loading.axes)
     contacts = records(len(wheels), CONTACT)
