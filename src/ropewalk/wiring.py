@@ -138,7 +138,9 @@ def task_of(scenario: Scenario) -> WireTask:
         diagnostics += tuple(remark for name, line in scenario.overhead_lines.items() for remark in _unseen(name, line))
     return WireTask(
         plan, tuple(prescribed_motions), tuple(contacts), tuple(displayed), elements,
-        external_models=tuple(external_models), diagnostics=diagnostics, **more,
+        external_models=tuple(external_models),
+        diagnostics=diagnostics,
+        **more,
     )  # fmt: skip
 
 

@@ -102,8 +102,14 @@ def loaded_frame(setting: PreparedRun, at: LoadPosition) -> Frame:
     seen.state[:] = STICKS
     seen.leave(at.left)
     return Frame(
-        path=at.path, position=nodes, velocity=np.zeros_like(nodes), tension=np.concatenate(tension),
-        strain=np.concatenate(strain), **seen.fields(), body_position=bodies, body_velocity=np.zeros_like(bodies),
+        path=at.path,
+        position=nodes,
+        velocity=np.zeros_like(nodes),
+        tension=np.concatenate(tension),
+        strain=np.concatenate(strain),
+        **seen.fields(),
+        body_position=bodies,
+        body_velocity=np.zeros_like(bodies),
         reaction=np.array(reaction),
         energy=energies(elastic=elastic, gravitational=gravitational, load_potential=potential),
-    )  # fmt: skip
+    )

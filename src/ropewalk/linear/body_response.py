@@ -133,9 +133,16 @@ def _mention_sag(setting: PreparedRun, name: str, way: _Way, run_info: RunInfo) 
 
 
 def _on_beam(
-    system: Multibody, way: _Way, nodes: Array, times: Array, modes: int | None, name: str, run_info: RunInfo, *,
+    system: Multibody,
+    way: _Way,
+    nodes: Array,
+    times: Array,
+    modes: int | None,
+    name: str,
+    run_info: RunInfo,
+    *,
     lifts: bool,
-) -> BodyResponse:  # fmt: skip
+) -> BodyResponse:
     """By the modes of a beam; a string with a number of modes is one without stiffness."""
     chord, line = way.chord, way.chord.beam
     if chord.is_string:

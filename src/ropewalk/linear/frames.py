@@ -177,9 +177,13 @@ def _refuse_to_pass(setting: PreparedRun, scenario: Scenario, fields: list[Field
 
 
 def _frames(
-    setting: PreparedRun, fields: list[Field], responses: list[BodyResponse | None], nodes: list[tuple[Array, Array]],
-    times: Array, rows: slice,
-) -> Frames:  # fmt: skip
+    setting: PreparedRun,
+    fields: list[Field],
+    responses: list[BodyResponse | None],
+    nodes: list[tuple[Array, Array]],
+    times: Array,
+    rows: slice,
+) -> Frames:
     """The frames of some instants."""
     dim, t = len(setting.axes), times[rows]
     seen = Contacts(t.size, setting.xi.size, dim)

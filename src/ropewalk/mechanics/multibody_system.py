@@ -167,7 +167,11 @@ def _crowd(scenario: Scenario, wheels: Sequence[ContactPoint], strands: Strands,
 
 
 def _fit_to_mesh(
-    bodies: Bodies, wheels: Sequence[ContactPoint], strands: Strands, lines: list[str], vehicles: list[VehicleMatrices],
+    bodies: Bodies,
+    wheels: Sequence[ContactPoint],
+    strands: Strands,
+    lines: list[str],
+    vehicles: list[VehicleMatrices],
     close: set[int],
 ) -> None:  # fmt: skip
     for k, (record, wheel) in enumerate(zip(bodies.wheels, wheels, strict=True)):

@@ -288,11 +288,14 @@ def _finished(
     hangers = task.hangers
     return Section(
         name, plan, line.element, supports, (float(supports[first - 1]), float(supports[last])), view,
-        droppers={hanger.name: i for i, hanger in enumerate(hangers)}, lengths=form.lengths,
-        stations=np.array([hanger.low.station for hanger in hangers]), pull=form.pull,
+        droppers={hanger.name: i for i, hanger in enumerate(hangers)},
+        lengths=form.lengths,
+        stations=np.array([hanger.low.station for hanger in hangers]),
+        pull=form.pull,
         slack=tuple(hanger.name for hanger, pull in zip(hangers, form.pull, strict=True) if pull <= 0.0),
         arms={arm.name: len(form.ties) + i for i, arm in enumerate(arms)},
-        holds={hold.name: len(task.plan.holds) + i for i, hold in enumerate(own)}, registered=np.array(line.registered),
+        holds={hold.name: len(task.plan.holds) + i for i, hold in enumerate(own)},
+        registered=np.array(line.registered),
     )  # fmt: skip
 
 

@@ -59,9 +59,15 @@ class Choice:
 
 
 def bounds(
-    strands: Strands, r: Array, X: Array, with_moving_loads: bool, supports: Supports | None = None,
-    loads: Loads | None = None, bodies: Bodies | None = None, extremes: Array | None = None,
-) -> Bounds:  # fmt: skip
+    strands: Strands,
+    r: Array,
+    X: Array,
+    with_moving_loads: bool,
+    supports: Supports | None = None,
+    loads: Loads | None = None,
+    bodies: Bodies | None = None,
+    extremes: Array | None = None,
+) -> Bounds:
     """Upper bounds of the largest frequency and damping rate of the chain in its present state.
 
     On a uniform chain they are sharp: omega = (2/h) sqrt(k/rho), with the larger of T' and T/lam for k, and
@@ -165,9 +171,18 @@ def rkn6_step(limits: Bounds, relative_accuracy: float) -> float:
 
 
 def choose(
-    strands: Strands, loads: Loads, state: ChainState, *, method: str, step: float | None, accuracy: float | None,
-    duration: float, supports: Supports | None = None, bodies: Bodies | None = None, guided: bool = False,
-) -> Choice:  # fmt: skip
+    strands: Strands,
+    loads: Loads,
+    state: ChainState,
+    *,
+    method: str,
+    step: float | None,
+    accuracy: float | None,
+    duration: float,
+    supports: Supports | None = None,
+    bodies: Bodies | None = None,
+    guided: bool = False,
+) -> Choice:
     """Choose method and step for a motion.
 
     Args:

@@ -44,9 +44,13 @@ class Reached(Generic[S]):
 
 
 def follow(
-    here: P, step: Callable[[P, P | None, float], P], is_fine: Callable[[P | None, P, P], bool], regular: Array, *,
+    here: P,
+    step: Callable[[P, P | None, float], P],
+    is_fine: Callable[[P | None, P, P], bool],
+    regular: Array,
+    *,
     between: bool,
-) -> Iterator[P]:  # fmt: skip
+) -> Iterator[P]:
     """Yield equilibria at regular positions, after the first one.
 
     Args:
@@ -84,9 +88,13 @@ def follow(
 
 
 def quasistatic_motion(
-    rest: Callable[[float, S | None], S], contacts: Callable[[S], Array], times: Array, paths: Array, positions: int,
+    rest: Callable[[float, S | None], S],
+    contacts: Callable[[S], Array],
+    times: Array,
+    paths: Array,
+    positions: int,
     turn: float | None,
-) -> Iterator[Reached[S]]:  # fmt: skip
+) -> Iterator[Reached[S]]:
     """Yield equilibria at equal steps of the load path.
 
     Args:

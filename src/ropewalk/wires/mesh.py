@@ -358,8 +358,10 @@ def _holds(strands: WireRuns, plan: WirePlan) -> Holds:
     side = np.where(abs(station) < _AT_NODE, 0, np.where(abs(station - strands.links[at.wire]) < _AT_NODE, 1, -1))
     node = np.where(side < 0, -1, strands.first[at.wire] + np.maximum(side, 0) * strands.links[at.wire])
     return Holds(
-        at, node, np.array([hold.axes for hold in holds], dtype=np.float64).reshape(-1, 3, 3), threes("stiffness"),
-        np.zeros((len(holds), 3), dtype=np.bool_), threes("damping"), threes("place") + at_start, threes("force"),
+        at, node,
+        np.array([hold.axes for hold in holds], dtype=np.float64).reshape(-1, 3, 3),
+        threes("stiffness"), np.zeros((len(holds), 3), dtype=np.bool_), threes("damping"), threes("place") + at_start,
+        threes("force"),
         np.array([time.size for time, _ in tables], dtype=np.int64),
         np.concatenate([time for time, _ in none + tables]), np.hstack([value for _, value in none + tables]),
     )  # fmt: skip

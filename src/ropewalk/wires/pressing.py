@@ -34,9 +34,15 @@ class Pressing:
 
 
 def pressing(
-    prescribed_motions: Sequence[PrescribedMotion], moving_loads: MovingLoads, t: float, local: Array, rough: Array,
-    aside: Array, on: NDArray[np.bool_], ground: Array,
-) -> Pressing:  # fmt: skip
+    prescribed_motions: Sequence[PrescribedMotion],
+    moving_loads: MovingLoads,
+    t: float,
+    local: Array,
+    rough: Array,
+    aside: Array,
+    on: NDArray[np.bool_],
+    ground: Array,
+) -> Pressing:
     """How loads press at an instant.
 
     Args:
