@@ -108,8 +108,11 @@ class SplitLinks:
         """Look for them.
 
         Args:
+            strands: the lines.
             strand: (wheel,) of each.
             xi, speed: (instant, wheel) m, m/s.
+            nodes: of the lines.
+            bodies: what stands on them.
         """
         inside = bodies.phase == INSIDE
         order = np.lexsort((xi, np.where(inside, bodies.at, nodes.X.shape[1])), axis=-1)  # those inside of links first

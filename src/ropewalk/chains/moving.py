@@ -44,6 +44,8 @@ class Chain:
     """Plain lines as the engine of a motion, in their first state.
 
     Args:
+        scenario: what is computed.
+        run_info: filled in.
         times: output instants in s, from 0.
         past: what `get_state` gave, to go on from there: method and step are those.
 

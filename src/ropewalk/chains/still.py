@@ -23,6 +23,8 @@ class ChainStatics:
     """A run without inertia: its layout, and its frames.
 
     Args:
+        scenario: what is computed.
+        run_info: filled in.
         until: how long the histories of the loads are needed, s.
 
     Raises:
@@ -49,6 +51,7 @@ class ChainStatics:
         """Yield frames at equal steps of the load path, until all loads have left their lines or stopped.
 
         Args:
+            positions: how many.
             turn: rad, see `solve/following.py`.
 
         Raises:

@@ -78,7 +78,11 @@ class _Way:
 def response_of(
     setting: PreparedRun, scenario: Scenario, name: str, s: int, chord: Chord, times: Array, run_info: RunInfo
 ) -> BodyResponse:
-    """The ride of load `name`, which is alone on line s."""
+    """The ride of load `name`, which is alone on line s.
+
+    Raises:
+        RopewalkError: what is asked is beyond the solutions that are known.
+    """
     assert isinstance(scenario.run, Linear)
     load = scenario.loads[name]
     way = _way(setting, chord, np.flatnonzero([wheel.load == name for wheel in setting.wheels]))

@@ -151,6 +151,8 @@ def _missed_by_modes(
     """Warnings of lines on which a given number of modes leaves much of the static response out.
 
     Args:
+        setting: the run.
+        fields: its lines.
         pressed: places (instant, load), m, and forces of its loads, (instant, load, axis) N.
     """
     where, force = (np.concatenate(parts) for parts in zip(*pressed, strict=True))
@@ -165,7 +167,11 @@ def _missed_by_modes(
 
 
 def _refuse_to_pass(setting: PreparedRun, scenario: Scenario, fields: list[Field], times: Array) -> None:
-    """Refuse loads that would pass an end of a line whose length was not known before."""
+    """Refuse loads that would pass an end of a line whose length was not known before.
+
+    Raises:
+        RopewalkError: there is such a load.
+    """
     for field in fields:
         slack = 1e-9 * field.chord.length
         for k in setting.on[field.s]:

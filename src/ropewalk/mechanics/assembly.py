@@ -117,6 +117,9 @@ def tabulate(function: Callable[[float], Any], end: float) -> tuple[Array, NDArr
 
     Returns:
         Times (n,) and values (n,) or (n, component).
+
+    Raises:
+        ValueError: the callable gives something that is not finite.
     """
 
     def value(t: float) -> NDArray[np.float64]:

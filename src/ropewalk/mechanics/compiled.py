@@ -30,6 +30,8 @@ class Kernel:
 
     Args:
         function: as it is written.
+        compiler: what compiles it.
+        options: of Numba.
     """
 
     def __init__(self, function: Callable[..., Any], compiler: type[PartCompiler], options: dict[str, Any]) -> None:

@@ -110,6 +110,13 @@ def read_irregularity(file: Path, key: str = "irregularity") -> Irregularity:
     """Read a file of rows `x, z` in m.
 
     Commas, semicolons or blanks divide them; a first row of words is skipped, and so is what follows a #.
+
+    Args:
+        file: its name.
+        key: where it is named, for errors.
+
+    Raises:
+        ScenarioError: it cannot be read, or rows are not as they should be; every problem with its line.
     """
     try:
         text = file.read_text(encoding="utf-8-sig")

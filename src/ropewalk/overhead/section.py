@@ -89,7 +89,11 @@ class Section:
 
 
 def section_of(name: str, line: OverheadLine, gravity: float = 9.81) -> Section:
-    """Find the rest of an overhead line as declared, its droppers' lengths or, where these are given, its heights."""
+    """Find the rest of an overhead line as declared, its droppers' lengths or, where these are given, its heights.
+
+    Raises:
+        EquilibriumError: it cannot rest as wanted, or not with the given lengths.
+    """
     supports, view = np.array(stations_of(line)), plan_view_of(line)
     task = _task(name, line, gravity, supports, view)
     given = line.dropper_lengths
@@ -137,6 +141,7 @@ def elasticity(
     """Static rise of the contact wire per force, droppers slackening as they are relieved.
 
     Args:
+        section: the line at rest.
         force: upwards on the contact wire, N.
         span: counted from 1 (default: the middle one), of which 25 stations are taken.
         stations: where instead, m.

@@ -57,7 +57,12 @@ def equations_of(scenario: Scenario, setting: PreparedRun, state: ChainState, bo
     """Equations of motion about a state.
 
     Args:
+        scenario: what is there.
+        setting, state: the model as it is.
         bodies: all that has a mass; None: nothing has.
+
+    Raises:
+        RopewalkError: a load has no equations of motion.
     """
     space = None if bodies is None else _in_space(scenario, setting, bodies)
     X, r, points = _points(setting, state, bodies, space)

@@ -75,7 +75,9 @@ def bounds(
     k on the mass m adds k/m to omega^2 at most. Its damper does not matter (ends.py).
 
     Args:
+        strands, r, X, supports, loads, bodies: see mechanics/chain.py and bodies.py.
         with_moving_loads: whether nodes ride with loads.
+        extremes: what `strained` gives, if it is known.
     """
     extremes = strained(strands.first, strands.links, strands.law, r, X) if extremes is None else extremes
     yields = supports is not None and bool(supports.free.any())
@@ -149,7 +151,12 @@ def _spring_frequency(strands: Strands, supports: Supports) -> float:
 
 
 def is_compressed(strands: Strands, r: Array, X: Array, extremes: Array | None = None) -> bool:
-    """Whether some link pushes: across it the chain is unstable then, and disturbances grow."""
+    """Whether some link pushes: across it the chain is unstable then, and disturbances grow.
+
+    Args:
+        strands, r, X: see mechanics/chain.py.
+        extremes: what `strained` gives, if it is known.
+    """
     extremes = strained(strands.first, strands.links, strands.law, r, X) if extremes is None else extremes
     return any(least < -PUSHES * tangent(p, 0.0) for least, p in zip(extremes[:, TENSION], strands.law, strict=True))
 
@@ -186,6 +193,7 @@ def choose(
     """Choose method and step for a motion.
 
     Args:
+        strands, loads, state: the model at the start.
         method: auto, explicit, verlet, rkn6 or implicit.
         step: largest step wanted by the user, s, or None.
         accuracy: wanted accuracy in time of the positions, m; None: the usual one, which Verlet's stable step keeps.

@@ -102,9 +102,12 @@ class ChainMotion:
 
     Args:
         strands, loads, state: the model; state is changed.
+        choice: method and largest step.
         accuracy: wanted accuracy in time, m (for the adaptive method).
+        progress: filled in.
         supports: what holds the ends; None: points that do not move.
         bodies: what has a mass of its own; changed with the state.
+        controllers: who decide on the way what loads do.
         contacts: what controllers put down and take up where nothing has a mass, and `bodies` is None.
 
     Raises:

@@ -77,7 +77,11 @@ def names_of_runs() -> Sequence[str]:
 
 
 def spend(shape: Array) -> None:
-    """Count one factorisation, of the stiffness at a shape in m."""
+    """Count one factorisation, of the stiffness at a shape in m.
+
+    Raises:
+        SearchBudgetError: the budget of the search is used up.
+    """
     if (present := _PRESENT.get()) is None:
         return
     present.factorisations += 1

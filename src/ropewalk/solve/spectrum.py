@@ -38,9 +38,11 @@ def spectrum(
     """Find the spectrum of all lines at an instant.
 
     Args:
+        strands: the lines.
         at: a state, or positions (axis, node) in m and material coordinates (node,) in m.
         how_many: eigenvalues of this many modes at each end, by iteration; by default all of a line with up to
             1500 unknowns, and 6 of a larger one.
+        names: names of the lines.
 
     Raises:
         RopewalkError: positions are not finite, or a link has no length.

@@ -155,8 +155,12 @@ def mesh_of(plan: WirePlan, element: float | list[int], *, small: bool = False) 
     """Divide the wires of a plan.
 
     Args:
+        plan: what there is.
         element: wanted length of a link in m, or the number of links of each wire.
         small: whether they move a little about straight lines only; then beams are of the fourth order.
+
+    Raises:
+        RopewalkError: something is attached beyond the end of a wire.
     """
     links = [links_of(wire, element) for wire in plan.wires] if isinstance(element, float) else element
     wires, count = plan.wires, np.array(links, dtype=np.int64)
@@ -255,6 +259,7 @@ def local_compliance(wire: Wire, h: float, *, fourth: bool = False) -> tuple[flo
     the second order it is of the order of the error of the mesh, and left out.
 
     Args:
+        wire: its tension and bending stiffness.
         h: distance of nodes, m.
         fourth: whether it is a beam of the fourth order.
     """

@@ -46,6 +46,8 @@ def pressing(
     """How loads press at an instant.
 
     Args:
+        prescribed_motions: all loads.
+        moving_loads: the same as arrays.
         t: s.
         local: (contact,) m/N, compliance of the wires beside their splines, as `moving_loads.local_under` has it.
         rough: (contact,) m, heights that are added to the wires.

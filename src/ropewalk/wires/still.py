@@ -75,6 +75,10 @@ def _next(ties: WireTies, failed: NDArray[np.bool_], force: Array, t: float) -> 
 class WireStatics:
     """A run without inertia: its layout, and its frames one after the other.
 
+    Args:
+        task: what is computed.
+        run_info: filled in.
+
     Raises:
         RopewalkError: there is no rest without loads.
     """
@@ -104,6 +108,7 @@ class WireStatics:
         """Yield frames at equal steps of the load path, until all loads have left their lines or stopped.
 
         Args:
+            positions: how many.
             turn: rad, see `solve/following.py`.
 
         Raises:

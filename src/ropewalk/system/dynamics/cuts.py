@@ -128,7 +128,9 @@ class Cuts(Parting):
     """All cuts of lines.
 
     Args:
+        scenario: what is there.
         assembled: the same as arrays, of which restraints change.
+        contacts: of loads.
         places: (contact,) m, along their lines; changes.
     """
 
@@ -209,6 +211,7 @@ def runs_ahead_of_cuts(scenario: Scenario, line: Sequence[str], begin: Array) ->
     """Runs behind whose last node a line is cut.
 
     Args:
+        scenario: what is there.
         line: (run,) names.
         begin: (run,) m, where each begins on its line.
     """

@@ -80,6 +80,8 @@ class SystemMotion:
     """Cable runs, joints and what they carry, as the engine of a motion in their first state.
 
     Args:
+        scenario: what is computed.
+        run_info: filled in.
         times: output instants in s, from 0.
         past: whether it goes on from a state that will be put, wherever it began.
         axes: names of the axes, if not those that the scenario needs.

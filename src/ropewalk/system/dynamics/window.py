@@ -32,7 +32,9 @@ class Window:
     """The window of a motion.
 
     Args:
+        structure: all of it.
         width: m, on both sides of each contact.
+        bridges: runs that move as a whole.
     """
 
     def __init__(self, structure: Structure, width: float, bridges: Collection[int] = ()) -> None:
@@ -155,6 +157,8 @@ def columns_of(ties: Ties | None, runs: Runs, nodes: int) -> list[TiedColumn]:
     """What ties join: those with a mass in common are one column.
 
     Args:
+        ties: of a structure.
+        runs: whose points they tie.
         nodes: how many there are, those of runs and masses.
     """
     if ties is None or not ties.first.size:

@@ -67,6 +67,7 @@ class LinkForms:
         three: second differences beside links, (node, node).
         weight: of the bending energy of second differences, (node,).
         arcs: links that are arcs, 1 or 0, (node,).
+        across: stiffness across links, by forms and bed.
         lengthened: change of squares of lengths, by forms.
     """
 

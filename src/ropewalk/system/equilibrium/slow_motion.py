@@ -62,6 +62,7 @@ class SlowMotion(ABC, Generic[Rest]):
         """Yield frames at equal steps of the load path, until all loads have left their lines or stopped.
 
         Args:
+            positions: how many.
             turn: rad, see `solve/following.py`.
 
         Raises:

@@ -239,6 +239,10 @@ def judge_hauling_ropes(
     """Warn of hauling ropes that are slack, for they only pull, and of those that slip; doubt ropes that sag deeply.
 
     Args:
+        scenario: what is there.
+        run_info: notes what is found.
+        frames: what is judged.
+        hauled: carriages that ropes haul.
         deep: (instant, rope) largest weight of a span of each rope over its tension.
     """
     own = [name for name, load in scenario.loads.items() if isinstance(load, Carriage) and load.haul is not None]
@@ -279,8 +283,11 @@ def doubt_struts(scenario: Scenario, run_info: RunInfo, on: Sequence[str], tensi
     """Doubt inextensible lines that are pushed together: there they are bars, which fold as the mesh lets them.
 
     Args:
+        scenario: what is there.
+        run_info: takes the doubts.
         on: (link,) names of the lines of links.
         tension: (link,) N.
+        when: in words.
     """
     rigid = [name for name, line in scenario.lines.items() if isinstance(line.law, Inextensible)]
     if not rigid:
@@ -300,6 +307,8 @@ def doubt_slack(scenario: Scenario, run_info: RunInfo, on: Sequence[str], tensio
     """Doubt shapes of lines without stiffness that nothing pulls at: without weight any other is as good.
 
     Args:
+        scenario: what is there.
+        run_info: takes the doubts.
         on: (link,) names of the lines of links.
         tension: (link,) N, at rest.
     """

@@ -82,6 +82,7 @@ class RestState:
     """A structure at rest without loads: its matrices, forces and energy to the second order.
 
     Args:
+        structure: with all its geometry.
         rest: (axis, node) m.
         pushed: (place,) N, by the wind, in which it rests; None: in calm air.
     """

@@ -61,7 +61,10 @@ class Superposed:
     """A linear run: its layout, and its frames.
 
     Args:
+        scenario: what is computed.
+        run: its run.
         times: output instants in s, from 0.
+        run_info: filled in.
 
     Raises:
         RopewalkError: there is no rest, or something resists nothing to the first order.
