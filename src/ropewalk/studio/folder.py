@@ -124,11 +124,10 @@ def _resolved(file: Path) -> Path:
 
 def _stamp(file: Path) -> str:
     """What changes when a file is written; empty if there is none."""
-    try:
+    with suppress(OSError):
         status = file.stat()
-    except OSError:
-        return ""
-    return f"{status.st_ino}-{status.st_mtime_ns}-{status.st_size}"
+        return f"{status.st_ino}-{status.st_mtime_ns}-{status.st_size}"
+    return ""
 
 
 def check_inside(tree: Any, folder: Path) -> None:

@@ -12,7 +12,7 @@ import pydantic.dataclasses
 from ropewalk.errors import RopewalkError
 from ropewalk.linear.chord import Chord, chords
 from ropewalk.model.history import rows
-from ropewalk.model.load import MovingForce
+from ropewalk.model.load import Contact, MovingForce
 from ropewalk.model.mass import MovingMass
 from ropewalk.model.run import Dynamic, Equilibrium
 from ropewalk.model.scenario import Scenario
@@ -37,7 +37,7 @@ class Asked:
 
     load: str
     x: float  # m, where the pointer is, along the first axis
-    contact: str = "clamped"
+    contact: Contact = "clamped"
     weight: float | None = None  # N, None: as the scenario says
     wind: float | None = None  # m/s along the first horizontal axis (in space, the second), None: as the scenario says
     line: Mapping[str, Any] = field(default_factory=dict)  # keys of its line that differ from the scenario
@@ -141,16 +141,15 @@ class Dragging:
         if unknown := set(asked.line) - set(KEYS):
             raise RopewalkError(f"line {on}: {', '.join(sorted(unknown))} cannot be changed by hand")
         if asked.line:
-            line = type(line).model_validate({**line.model_dump(by_alias=True, exclude_unset=True), **asked.line})
+            line = type(line)(**{**line.model_dump(by_alias=True, exclude_unset=True), **asked.line})
         force = force_of(own, asked.load)
         force = force if asked.weight is None else (*force[:-1], -asked.weight)
         wind = own.wind
         if asked.wind is not None:
             direction = (1.0, 0.0) if len(line.start) == 2 else (0.0, 1.0, 0.0)
             wind = Wind(direction=direction, speed=asked.wind) if asked.wind else None
-        contact: Any = asked.contact
         travel = Travel.model_validate({"speed": 1.0, "measured": "material", "from": 0.5 * line.distance})
-        load = MovingForce(on=on, force=force, contact=contact, travel=travel)
+        load = MovingForce(on=on, force=force, contact=asked.contact, travel=travel)
         lines = {name: _felt(one, wind) for name, one in {**own.lines, on: line}.items()}
         scenario = Scenario(
             gravity=own.gravity, lines=lines, loads={**own.loads, asked.load: load}, joints=own.joints, wind=wind,

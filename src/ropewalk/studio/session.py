@@ -52,21 +52,24 @@ class Session:
                 self._process = self._pool.lease()
             self._text = {key: asked[key] for key in ("text", "name") if key in asked} or self._text
             if asked["do"] not in LONG or self._answer is not None:
-                return await self._process.ask(asked, page, within=600.0)
-            self.under_way = {**self._text, **asked}
-            answer = self._process.ask(asked, self._forward, within=self._pool.settings.seconds)
-            self._answer = asyncio.create_task(answer)
-            self._answer.add_done_callback(lambda task: task.cancelled() or task.exception())  # may go unread
-        elif self._answer is None:
+                behind = 0.0 if self._answer is None else self._pool.settings.seconds  # of what is under way
+                return await self._process.ask(asked, page, within=600.0 + behind)
+            self._begin(self._process, asked)
+        if (answer := self._answer) is None:
             raise RopewalkError("no computation is under way")
         for message in self._sent:  # it may grow meanwhile
             await page(message)
-        self._page, known = page, self._answer
+        self._page = page
         try:
-            return await asyncio.shield(known)
+            return await asyncio.shield(answer)
         finally:
-            if known.done() and self._ending is None:
+            if answer.done() and self._ending is None:
                 self.under_way, self._answer, self._page, self._sent = None, None, None, []
+
+    def _begin(self, process: Process, asked: dict[str, Any]) -> None:
+        self.under_way = {**self._text, **asked}
+        self._answer = asyncio.create_task(process.ask(asked, self._forward, within=self._pool.settings.seconds))
+        self._answer.add_done_callback(lambda task: task.cancelled() or task.exception())  # may go unread
 
     async def _forward(self, message: Message) -> None:
         self._sent.append(message)

@@ -127,15 +127,13 @@ def stored(dataset: xr.Dataset) -> dict[str, Any]:
 def curves_of(dataset: xr.Dataset) -> dict[str, Any]:
     """Return the curves of the places that the scenario names: `path`, and by quantity the unit and values by place."""
     rows = slice(None, None, 1 + dataset.sizes[path_name(dataset)] // MOST_POINTS)
-    found: dict[str, list[tuple[str, Any, str]]] = {}
+    found, units = dict[str, dict[str, Array]](), dict[str, str]()
     for name, values, unit in histories(dataset):
         place, _, quantity = name.rpartition(".")
-        found.setdefault(quantity, []).append((place, values[rows], unit))
+        found.setdefault(quantity, {})[place], units[quantity] = values[rows], unit
     groups = []
     for quantity, curves in found.items():
-        displayed = DisplayUnits.read(None).of(curves[0][2], [values for _, values, _ in curves])
-        known = {
-            place: [v if v == v else None for v in (values / displayed.size).tolist()] for place, values, _ in curves
-        }
-        groups.append({"quantity": quantity.replace("_", " "), "unit": displayed.symbol, "curves": known})
+        shown = DisplayUnits.read(None).of(units[quantity], [*curves.values()])
+        known = {at: [v if v == v else None for v in (y / shown.size).tolist()] for at, y in curves.items()}
+        groups.append({"quantity": quantity.replace("_", " "), "unit": shown.symbol, "curves": known})
     return {"path": dataset[path_name(dataset)].values[rows].tolist() if groups else [], "groups": groups}

@@ -16,7 +16,7 @@ import tempfile
 import threading
 import time
 import zipfile
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import asdict, replace
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -26,8 +26,11 @@ from pydantic import ValidationError
 
 from ropewalk import results
 from ropewalk.errors import Problem, RopewalkError, ScenarioError, condensed
+from ropewalk.external.models import refuse_code
+from ropewalk.model.run import Dynamic, Linear
 from ropewalk.permission import STUDIO, forbid_code
 from ropewalk.results.contract import run_info_attributes, scenario_attributes
+from ropewalk.results.files import check_own
 from ropewalk.results.frames import Frames
 from ropewalk.results.labelled import of_frames
 from ropewalk.scenario import loads
@@ -84,9 +87,8 @@ def _bound(what: str, most: int, *, is_final: bool = False) -> None:
         import resource
 
         limit = getattr(resource, what)
-        hard = resource.getrlimit(limit)[1]
-        bound = most if hard == resource.RLIM_INFINITY else min(most, hard)
-        resource.setrlimit(limit, (bound, bound if is_final else hard))
+        hard = most if is_final else resource.getrlimit(limit)[1]
+        resource.setrlimit(limit, (most, hard))  # an error where the system's own limit is lower
 
 
 def _leave_with(server: Any) -> None:
@@ -126,7 +128,7 @@ class ComputingProcess:
         except RecursionError:
             found = {"error": "the blocks are nested too deeply"}
         except (LookupError, ValidationError) as error:
-            found = {"error": f"invalid request: {error} is absent or unknown"}
+            found = {"error": f"invalid request ({type(error).__name__}: {error})"}
         except Exception as error:
             found = {"error": f"ropewalk failed ({type(error).__name__}: {error}); this is a fault of ropewalk"}
         self._send(found, "answer")
@@ -156,14 +158,9 @@ class ComputingProcess:
                 raise KeyboardInterrupt
             self._waiting.append(asked)
 
-    def _progress(self, event: str, *names: str) -> Callable[..., None]:
-        """Return a function that takes how far a computation is."""
-
-        def progress(*values: str | float) -> None:
-            self._send({"event": event, **dict(zip(names, values, strict=True))})
-            self._stop_if_asked()
-
-        return progress
+    def _progress(self, event: str, **how_far: Any) -> None:
+        self._send({"event": event, **how_far})
+        self._stop_if_asked()
 
     def _scenario(self, asked: Answer) -> Scenario:
         """The scenario of a text, refused where it runs code, leaves the folder or is huge."""
@@ -172,8 +169,6 @@ class ComputingProcess:
         return scenario
 
     def _allow(self, scenario: Scenario) -> None:
-        from ropewalk.external.models import refuse_code
-
         if not self._settings.allow_code:
             refuse_code(scenario.loads)
         tree = scenario.model_dump(mode="python", by_alias=True, exclude_unset=True, warnings=False)
@@ -185,12 +180,12 @@ class ComputingProcess:
 
     def _opened(self, asked: Answer) -> tuple[Path, xr.Dataset, bool]:
         """The file of a result or a sweep, what is in it, and whether that is a sweep."""
-        from ropewalk.sweeps.writing import read
-
         file = self._folder.file(str(asked["name"]), RESULTS)
         try:
             return file, results.open_result(file), False
         except results.ResultError:
+            from ropewalk.sweeps.writing import read
+
             if (many := read(file)) is None:
                 raise
             return file, many, True
@@ -246,8 +241,6 @@ class ComputingProcess:
 
     def _do_run(self, asked: Answer) -> Answer:
         """A run as `ropewalk run` does it: its result is written while it goes on, unless it is not to be kept."""
-        from ropewalk.results.files import check_own
-
         scenario = self._scenario(asked)
         if asked.get("unkept"):
             return self._run(asked, scenario, None)
@@ -261,14 +254,11 @@ class ComputingProcess:
         return self._run(asked, scenario, file)
 
     def _run(self, asked: Answer, scenario: Scenario, file: Path | None) -> Answer:
-        from ropewalk.model.run import Dynamic, Linear, Quasistatic
         from ropewalk.simulate import must_compile, output_times, simulate
 
         run, how_long = scenario.run, must_compile(scenario)
         self._send({"event": "state", "state": f"preparing, first run only ({how_long})" if how_long else "setting up"})
-        total = run.positions if isinstance(run, Quasistatic) else 1
-        if isinstance(run, Dynamic | Linear):
-            total = int(output_times(run).size)
+        total = output_times(run).size if isinstance(run, Dynamic | Linear) else getattr(run, "positions", 1)
         stream, attributes = Stream(self._head, total), scenario_attributes(scenario)
 
         def seen(layout: Layout, frames: Frames, run_info: RunInfo) -> None:
@@ -282,10 +272,10 @@ class ComputingProcess:
 
     def _do_result(self, asked: Answer) -> Answer:
         """A result that is there, as if it had just been computed; of a sweep, its cases."""
-        from ropewalk.studio.sweeps import described
-
         file, dataset, is_sweep = self._opened(asked)
         if is_sweep:
+            from ropewalk.studio.sweeps import described
+
             return {"file": file.name, "sweep": described(dataset)}
         with dataset:
             self._send_all(of_result(dataset, self._head))
@@ -310,8 +300,10 @@ class ComputingProcess:
             raise results.ResultError(f"{file.name}: exists already and is not a sweep; it is not overwritten")
         self._bound_disk()
         checked_plan(scenario, wished(scenario, None), self._allow, self._folder.path)
-        progress = self._progress("cases", "done", "total")
-        found = sweep(scenario, store=store, workers=self._settings.workers, progress=progress)
+        found = sweep(
+            scenario, store=store, workers=self._settings.workers,
+            progress=lambda done, total: self._progress("cases", done=done, total=total),
+        )  # fmt: skip
         write(found, file)
         return {"file": file.name, "sweep": described(found)}
 
@@ -319,8 +311,8 @@ class ComputingProcess:
         """Simpler models beside the full one, as `ropewalk compare` shows them."""
         from ropewalk.compare import model_hierarchy
 
-        progress, picture = self._progress("model", "model", "done"), io.StringIO()
-        found = model_hierarchy(self._scenario(asked), progress=progress)
+        scenario, picture = self._scenario(asked), io.StringIO()
+        found = model_hierarchy(scenario, progress=lambda model, done: self._progress("model", model=model, done=done))
         found.figure().savefig(picture, format="svg")
         tables = [found.table(), [("assumptions", "measured"), *found.assumptions.table()]]
         return {"title": found.title, "tables": tables, "verdict": found.verdict, "picture": picture.getvalue()}
