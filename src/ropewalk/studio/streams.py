@@ -133,7 +133,7 @@ def curves_of(dataset: xr.Dataset) -> dict[str, Any]:
         found.setdefault(quantity, {})[place], units[quantity] = values[rows], unit
     groups = []
     for quantity, curves in found.items():
-        shown = DisplayUnits.read(None).of(units[quantity], [*curves.values()])
-        known = {at: [v if v == v else None for v in (y / shown.size).tolist()] for at, y in curves.items()}
-        groups.append({"quantity": quantity.replace("_", " "), "unit": shown.symbol, "curves": known})
+        displayed = DisplayUnits.read(None).of(units[quantity], [*curves.values()])
+        known = {at: [v if v == v else None for v in (y / displayed.size).tolist()] for at, y in curves.items()}
+        groups.append({"quantity": quantity.replace("_", " "), "unit": displayed.symbol, "curves": known})
     return {"path": dataset[path_name(dataset)].values[rows].tolist() if groups else [], "groups": groups}
