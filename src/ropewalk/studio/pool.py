@@ -8,6 +8,7 @@ import pickle
 import threading
 from collections import deque
 from collections.abc import Awaitable, Callable
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
@@ -36,7 +37,7 @@ class _Question:
 
 
 class Process:
-    """A worker process, and the thread that reads from it."""
+    """A worker process, and the threads that write to it and read from it."""
 
     def __init__(self, settings: Settings) -> None:
         self._loop = asyncio.get_running_loop()
@@ -44,8 +45,8 @@ class Process:
         self._process = _CONTEXT.Process(target=main, args=(theirs, settings))  # no daemon: these begin no sweeps
         self._process.start()
         theirs.close()
-        self._sending, self._ended, self._is_stopping = threading.Lock(), "", False
-        self._open = deque[_Question]()  # in the order in which they were sent, and are answered
+        self._ended, self._is_stopping = "", False
+        self._open, self._writer = deque[_Question](), ThreadPoolExecutor(1)  # sent one by one, answered in that order
         threading.Thread(target=self._read, daemon=True).start()
 
     @property
@@ -64,24 +65,22 @@ class Process:
         Raises:
             WorkerEnded: it has ended, or did not answer in time.
         """
-        data, question = pickle.dumps(asked), _Question(self._loop.create_future(), forward)
+        question = _Question(self._loop.create_future(), forward)
+        self._put(asked)
+        self._open.append(question)  # before anything is awaited: a stop may follow at once
         try:
-            await asyncio.to_thread(self._put, data, question)
             return await asyncio.wait_for(asyncio.shield(question.answer), within)
         except TimeoutError:
             self.kill("the computation took too long and was ended")
             raise WorkerEnded(f"no answer within {within:g} s; the computation was ended") from None
-        except OSError:
-            raise WorkerEnded("the computing process has ended") from None
 
     async def stop(self, patience: float = PATIENCE) -> None:
         """Stop the computation; end the process if it does not acknowledge that within `patience`, s."""
-        if not self._open:
+        if self._ended or not self._open:
             return
         self._is_stopping = False
-        with suppress(OSError):
-            self._put(pickle.dumps({"do": "stop"}))
-        _, late = await asyncio.wait([question.answer for question in [*self._open]], timeout=patience)
+        self._put({"do": "stop"})
+        _, late = await asyncio.wait([question.answer for question in self._open], timeout=patience)
         if late and self._is_stopping:
             _, late = await asyncio.wait(late, timeout=LONG_PATIENCE)
         if late:
@@ -89,7 +88,7 @@ class Process:
 
     async def abandon(self) -> None:
         """Stop what it does for a page that has gone."""
-        for question in [*self._open]:
+        for question in self._open:
             question.forward = None
         await self.stop(LONG_PATIENCE)
 
@@ -102,10 +101,10 @@ class Process:
         self._ended = why
         self._process.kill()
 
-    def _put(self, data: bytes, *questions: _Question) -> None:
-        with self._sending:
-            self._open.extend(questions)
-            self._pipe.send_bytes(data)
+    def _put(self, asked: dict[str, Any]) -> None:
+        if self._ended:
+            raise WorkerEnded(self._ended)
+        self._writer.submit(self._pipe.send_bytes, pickle.dumps(asked))
 
     def _read(self) -> None:
         with suppress(EOFError, OSError, RuntimeError):  # the last one: the loop has ended
@@ -124,10 +123,11 @@ class Process:
                 await forward(message)
 
     def _fail(self) -> None:
-        for question in [*self._open]:
-            why = self._ended or "the computing process has ended, possibly for lack of memory"
-            question.answer.set_exception(WorkerEnded(why))
-            question.answer.exception()  # it may be that nobody waits any more
+        self._ended = self._ended or "the computing process has ended, possibly for lack of memory"
+        while self._open:
+            answer = self._open.popleft().answer
+            answer.set_exception(WorkerEnded(self._ended))
+            answer.exception()  # it may be that nobody waits any more
 
 
 class Pool:

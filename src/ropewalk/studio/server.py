@@ -137,6 +137,7 @@ class PageConnection:
                 task = asyncio.create_task(self._answer(number, do, asked))
                 self._tasks.add(task)
                 task.add_done_callback(self._tasks.discard)
+                await asyncio.sleep(0.0)  # it is begun: a stop that follows is of it
             else:
                 await self._send(json.dumps({"id": number, "error": "too many requests at once"}))
 
