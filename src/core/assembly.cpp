@@ -1,16 +1,16 @@
 #include "assembly.hpp"
 
-#include "link.hpp"
-#include "stencil.hpp"
+#include "contacts.hpp"
+#include "elements.hpp"
 
 namespace RW_VARIANT {
 
 // Call visit<E>(parameters, nodes) for every element E of a model.
 template <int AXES, class Visit>
-static void visit_elements(const Model& m, Visit visit) {
+static void visit_elements(const Model& m, const State& s, Visit visit) {
     for (I64 r = 0; r < m.runs; r++) {
         Links p = links_of(m, r);
-        const I64 first = m.run_first[r], last = first + m.run_links[r];
+        const I64 first = s.run_first[r], last = first + s.run_links[r];
         for (I64 i = first; i < last; i++) {
             p.begins = i == first, p.ends = i + 1 == last;
             const I64 nodes[] = {p.begins ? i : i - 1, i, i + 1, p.ends ? i + 1 : i + 2};
@@ -27,44 +27,63 @@ static void visit_elements(const Model& m, Visit visit) {
         const I64 nodes[] = {m.spring_begin[k], m.spring_end[k]};
         visit.template operator()<Straight<AXES>>(p, nodes);
     }
-}
-
-// Values (axis, node) of an array with rows of so many numbers at the nodes of an element.
-template <class E, int AXES>
-static void gather(const double* from, I64 stride, const I64* nodes, double* values) {
-    for (int i = 0; i < E::UNKNOWNS; i++) values[i] = from[i % AXES * stride + nodes[i / AXES]];
-}
-template <class E, int AXES>
-static void scatter(const double* values, I64 stride, const I64* nodes, double* to) {
-    for (int i = 0; i < E::UNKNOWNS; i++) to[i % AXES * stride + nodes[i / AXES]] += values[i];
-}
-
-// Weights of nodes, and the forces of loads where their contacts are.
-static void set_loads(const Model& m, const State& s, double* forces) {
-    for (I64 axis = 0; axis < m.axes; axis++)
-        for (I64 i = 0; i < m.nodes; i++) forces[axis * m.nodes + i] = m.weight[axis * m.stride + i];
-    for (I64 k = 0; k < m.contacts; k++) {
-        const Share share = share_of(m, s, k);
-        for (I64 axis = 0; axis < m.axes; axis++) {
-            const double force = m.contact_force[axis * stride_of(m.contacts) + k];
-            for (I64 j = 0; j < share.count; j++) forces[axis * m.nodes + share.first + j] += share.weight[j] * force;
+    for (I64 band = 0; band < m.bands; band++) {
+        const Axial<double> p = springs_of(m, band);
+        for (I64 k = 0; k < m.band_springs[band]; k++) {
+            const I64 nodes[] = {m.band_begin[band] + k, m.band_end[band] + k};
+            visit.template operator()<Straight<AXES>>(p, nodes);
         }
     }
+    visit_others<AXES>(m, s, visit);
+}
+
+static void set_weights(const Model& m, double* forces) {
+    for (I64 axis = 0; axis < m.axes; axis++)
+        for (I64 i = 0; i < m.nodes; i++) forces[axis * m.nodes + i] = m.weight[axis * m.stride + i];
 }
 
 template <int AXES>
 struct Assembly {
     const Model m;
     const State s;
+    mutable Workspace w;
     const Context c;
 
-    explicit Assembly(const Blocks& blocks) : m(blocks.model), s(blocks.state), c{s.time[0], 0.0} {}
+    explicit Assembly(const Blocks& blocks) : m(blocks.model), s(blocks.state), w(blocks.work), c{s.time[0], 0.0} {}
+
+    // Elements of links, springs and contacts; these are found first.
+    void visit(auto call) const {
+        visit_elements<AXES>(m, s, call);
+        const Contacts<AXES> contacts{m, s, w};
+        contacts.find();
+        for (I64 k = 0; k < m.contacts; k++) {
+            I64 nodes[Contacts<AXES>::NODES_OF];
+            contacts.nodes_of(contacts.record(k), m.contact_body[k], nodes);
+            call.template operator()<Touch<AXES>>(contacts.record(k), nodes);
+        }
+    }
+
+    void evaluate(double* values) const {
+        const Contacts<AXES> contacts{m, s, w};
+        contacts.find();
+        for (I64 k = 0; k < m.contacts; k++) {
+            Record& r = contacts.record(k);
+            double x[Touch<AXES>::UNKNOWNS];
+            contacts.gather_at(r, k, s.position, x);
+            Touch<AXES>::note(r, x);
+            for (I64 axis = 0; axis < AXES; axis++) {
+                values[axis * m.contacts + k] = r.force[axis];
+                values[(AXES + axis) * m.contacts + k] = r.tip[axis];
+            }
+            values[2 * AXES * m.contacts + k] = r.push;
+        }
+    }
 
     void forces(const double* velocities, double* forces) const {
-        set_loads(m, s, forces);
-        visit_elements<AXES>(m, [&]<class E>(const auto& p, const I64* nodes) {
+        set_weights(m, forces);
+        visit([&]<class E>(const auto& p, const I64* nodes) {
             double x[E::UNKNOWNS], v[E::UNKNOWNS], f[E::UNKNOWNS]{};
-            gather<E, AXES>(s.position.data, m.stride, nodes, x);
+            gather<E, AXES>(s.position, m.stride, nodes, x);
             gather<E, AXES>(velocities, m.nodes, nodes, v);
             E::force(p, c, x, v, f);
             scatter<E, AXES>(f, m.nodes, nodes, forces);
@@ -73,9 +92,9 @@ struct Assembly {
 
     void energies(double* energies) const {
         energies[0] = energies[1] = 0.0;
-        visit_elements<AXES>(m, [&]<class E>(const auto& p, const I64* nodes) {
+        visit([&]<class E>(const auto& p, const I64* nodes) {
             double x[E::UNKNOWNS];
-            gather<E, AXES>(s.position.data, m.stride, nodes, x);
+            gather<E, AXES>(s.position, m.stride, nodes, x);
             energies[0] += E::energy(p, c, x);
         });
         for (I64 axis = 0; axis < AXES; axis++)
@@ -85,17 +104,16 @@ struct Assembly {
 
     I64 entries() const {
         I64 count = 0;
-        visit_elements<AXES>(
-            m, [&]<class E>(const auto&, const I64*) { count += static_cast<I64>(E::UNKNOWNS) * E::UNKNOWNS; });
+        visit([&]<class E>(const auto&, const I64*) { count += static_cast<I64>(E::UNKNOWNS) * E::UNKNOWNS; });
         return count;
     }
 
     void matrices(const double* velocities, double* forces, I64* rows, I64* columns, double* K, double* C) const {
-        set_loads(m, s, forces);
-        visit_elements<AXES>(m, [&]<class E>(const auto& p, const I64* nodes) {
+        set_weights(m, forces);
+        visit([&]<class E>(const auto& p, const I64* nodes) {
             constexpr int N = E::UNKNOWNS;
             double x[N], v[N], f[N];
-            gather<E, AXES>(s.position.data, m.stride, nodes, x);
+            gather<E, AXES>(s.position, m.stride, nodes, x);
             gather<E, AXES>(velocities, m.nodes, nodes, v);
             linearise<E>(p, c, x, v, f, K, C);
             scatter<E, AXES>(f, m.nodes, nodes, forces);
@@ -105,7 +123,8 @@ struct Assembly {
                     columns[i * N + j] = j % AXES * m.nodes + nodes[j / AXES];
                 }
             }
-            rows += N * N, columns += N * N, K += N * N, C += N * N;
+            constexpr I64 SIZE = static_cast<I64>(N) * N;
+            rows += SIZE, columns += SIZE, K += SIZE, C += SIZE;
         });
     }
 };
@@ -122,6 +141,10 @@ void add_forces(const Blocks& blocks, const double* velocities, double* forces) 
 
 void sum_energies(const Blocks& blocks, double* energies) {
     with_assembly(blocks, [&](const auto& all) { all.energies(energies); });
+}
+
+void evaluate_contacts(const Blocks& blocks, double* values) {
+    with_assembly(blocks, [&](const auto& all) { all.evaluate(values); });
 }
 
 I64 count_entries(const Blocks& blocks) {

@@ -1,6 +1,8 @@
 #include "bind.hpp"
 
 #include "elementary.hpp"
+#include "elements.hpp"
+#include "stencil.hpp"
 
 namespace RW_VARIANT {
 
@@ -8,9 +10,10 @@ constexpr U64 SEAL = seal_of(TABLE);
 constexpr I64 LARGEST = 1ll << 31;
 
 bool complete(I64* counts) {
-    counts[ONE] = 1, counts[SCRATCH] = SCRATCH_SIZE, counts[STENCIL] = SHARED;
+    counts[ONE] = 1, counts[SCRATCH] = SCRATCH_SIZE, counts[RECORD] = RECORD_SIZE;
     for (int i = 0; i < DIMENSIONS; i++)
         if (counts[i] < 0 || counts[i] > LARGEST) return false;
+    if (counts[PARTS] == 0) counts[PARTS] = 1;
     const bool is_viscous = counts[VISCOUS] == counts[NODES];
     return (counts[AXES] == 2 || counts[AXES] == 3) && counts[NODES] > 0 && (is_viscous || counts[VISCOUS] == 0);
 }
@@ -43,6 +46,7 @@ static Fault fault_of(const Field& field, const char* at, const I64* counts) {
     }
     const I64 x = *reinterpret_cast<const I64*>(at);
     if (field.values == Values::NODE) return x >= 0 && x < counts[NODES] ? Fault::NONE : Fault::INDEX;
+    if (field.values == Values::OPTION) return x >= -1 && x < counts[NODES] ? Fault::NONE : Fault::INDEX;
     if (field.values == Values::RUN) return x >= 0 && x < counts[RUNS] ? Fault::NONE : Fault::INDEX;
     return x >= 0 && x <= (field.values == Values::FLAG ? 1 : LARGEST) ? Fault::NONE : Fault::VALUE;
 }
@@ -72,13 +76,13 @@ enum Number : I64 {
 #include "fields.def"
 };
 
-static Finding check_runs(const Model& m) {
+static Finding check_runs(const Model& m, const State& s) {
     I64 begin = 0;
     for (I64 r = 0; r < m.runs; r++) {
-        if (m.run_first[r] < begin) return {Fault::RUN, number_of_run_first, r};
-        if (m.run_links[r] < 1 || m.run_links[r] >= m.nodes - m.run_first[r])
+        if (s.run_first[r] < begin) return {Fault::RUN, number_of_run_first, r};
+        if (s.run_links[r] < 1 || s.run_links[r] >= m.nodes - s.run_first[r])
             return {Fault::RUN, number_of_run_links, r};
-        begin = m.run_first[r] + m.run_links[r] + 1;
+        begin = s.run_first[r] + s.run_links[r] + 1;
         if (!m.viscous && m.axial_damping[r] > 0.0) return {Fault::UNDAMPED, number_of_axial_damping, r};
     }
     return {Fault::NONE, 0, 0};
@@ -89,32 +93,67 @@ static Finding check_springs(const Model& m) {
         if (m.spring_begin[k] == m.spring_end[k]) return {Fault::SPRING, number_of_spring_end, k};
         if (!m.viscous && m.spring_damping[k] > 0.0) return {Fault::UNDAMPED, number_of_spring_damping, k};
     }
+    for (I64 k = 0; k < m.counts[PLAYS]; k++)
+        if (m.play_begin[k] == m.play_end[k]) return {Fault::SPRING, number_of_play_end, k};
     return {Fault::NONE, 0, 0};
 }
 
+static Finding check_bands(const Model& m) {
+    I64 before = 0;
+    for (I64 k = 0; k < m.bands; k++) {
+        const I64 begin = m.band_begin[k], end = m.band_end[k], springs = m.band_springs[k];
+        const I64 low = begin < end ? begin : end, high = begin < end ? end : begin;
+        if (springs < 1 || springs > m.nodes - high || springs > high - low)
+            return {Fault::BAND, number_of_band_springs, k};
+        if (low < before) return {Fault::BAND, number_of_band_begin, k};
+        if (!m.viscous && m.band_damping[k] > 0.0) return {Fault::UNDAMPED, number_of_band_damping, k};
+        before = low;
+    }
+    return {Fault::NONE, 0, 0};
+}
+
+static Finding check_parts(const Model& m) {
+    for (I64 part = 0; part < m.parts; part++)
+        if (m.part_run[part] < (part ? m.part_run[part - 1] : 0) || m.part_run[part] > (part ? m.runs : 0))
+            return {Fault::PART, number_of_part_run, part};
+    return {Fault::NONE, 0, 0};
+}
+
+// The part that a band is inside of, or the number of parts. A part reaches to the first node of the next one.
+static I64 part_of(const Model& m, const State& s, I64 band) {
+    const I64 begin = m.band_begin[band], end = m.band_end[band], springs = m.band_springs[band];
+    for (I64 part = 0; part < m.parts; part++) {
+        const auto border = [&](I64 run) { return run < m.runs ? s.run_first[run] : m.nodes; };
+        const I64 low = part ? border(m.part_run[part]) : 0;
+        const I64 high = part + 1 < m.parts ? border(m.part_run[part + 1]) : m.nodes;
+        if (begin >= low && end >= low && begin + springs <= high && end + springs <= high) return part;
+    }
+    return m.parts;
+}
+
 // Number of the run that a node is inside of, or -1. Runs are in order.
-static I64 run_around(const Model& m, I64 node) {
+static I64 run_around(const Model& m, const State& s, I64 node) {
     I64 low = 0, high = m.runs;
     while (low < high) {
         const I64 middle = (low + high) / 2;
-        if (m.run_first[middle] < node)
+        if (s.run_first[middle] < node)
             low = middle + 1;
         else
             high = middle;
     }
-    return low > 0 && node < m.run_first[low - 1] + m.run_links[low - 1] ? low - 1 : -1;
+    return low > 0 && node < s.run_first[low - 1] + s.run_links[low - 1] ? low - 1 : -1;
 }
 
 // Copies are marked in the Workspace while joints are checked.
 static Finding check_joints(const Model& m, const State& s, Workspace& w) {
     for (I64 j = 0; j < m.joints; j++) {
         const I64 copy = m.joint_copy[j];
-        if (w.force[copy] != 0.0 || run_around(m, copy) >= 0) return {Fault::JOINT, number_of_joint_copy, j};
+        if (w.force[copy] != 0.0 || run_around(m, s, copy) >= 0) return {Fault::JOINT, number_of_joint_copy, j};
         w.force[copy] = 1.0;
     }
     for (I64 j = 0; j < m.joints; j++) {
         const I64 copy = m.joint_copy[j], original = m.joint_original[j];
-        if (w.force[original] != 0.0 || run_around(m, original) >= 0)
+        if (w.force[original] != 0.0 || run_around(m, s, original) >= 0)
             return {Fault::JOINT, number_of_joint_original, j};
         for (I64 axis = 0; axis < m.axes; axis++) {
             const I64 row = axis * m.stride, entry = axis * m.nodes + copy;
@@ -127,24 +166,50 @@ static Finding check_joints(const Model& m, const State& s, Workspace& w) {
     return {Fault::NONE, 0, 0};
 }
 
-// Whether all inner nodes of a run have the same mobility and weight.
-static bool is_uniform(const Model& m, I64 run) {
-    const I64 first = m.run_first[run] + 1, last = m.run_first[run] + m.run_links[run];
-    for (I64 row = 0; row < m.axes * m.stride; row += m.stride)
-        for (I64 i = row + first; i < row + last; i++)
-            if (m.mobility[i] != m.mobility[row + first] || m.weight[i] != m.weight[row + first]) return false;
+// Whether all inner nodes of a run have the same mobility and weight, but for weights of the two next to each end.
+static bool is_uniform(const Model& m, const State& s, I64 run) {
+    const I64 first = s.run_first[run], links = s.run_links[run], middle = first + links / 2;
+    for (I64 row = 0; row < m.axes * m.stride; row += m.stride) {
+        for (I64 k = 1; k < links; k++) {
+            const bool is_near = k < 3 || k > links - 3;
+            if (m.mobility[row + first + k] != m.mobility[row + middle]) return false;
+            if (m.weight[row + first + k] != m.weight[row + middle] && !is_near) return false;
+        }
+    }
     return true;
 }
+static bool has_end_loads(const Model& m, const State& s, I64 run) {
+    bool has = false;
+    visit_near_ends(s, run, [&](I64 i, I64 middle) {
+        for (I64 row = 0; row < m.axes * m.stride; row += m.stride) has |= m.weight[row + i] != m.weight[row + middle];
+    });
+    return has;
+}
 
-static void prepare(const Model& m, Workspace& w) {
+static void prepare(const Model& m, const State& s, Workspace& w) {
     for (I64 i = 0; i < m.axes * m.stride; i++) w.force[i] = 0.0;
-    for (I64 i = 0; i < SCRATCH_SIZE; i++) w.scratch[i] = 0.0;
-    for (I64 r = 0; r < m.runs; r++) w.run_pulled[r] = 0, w.run_uniform[r] = is_uniform(m, r);
-    for (I64 k = 0; k < m.contacts; k++) w.run_pulled[m.contact_run[k]] = 1;
-    for (I64 k = 0; k < m.springs; k++) {
-        if (const I64 run = run_around(m, m.spring_begin[k]); run >= 0) w.run_pulled[run] = 1;
-        if (const I64 run = run_around(m, m.spring_end[k]); run >= 0) w.run_pulled[run] = 1;
+    for (I64 i = 0; i < m.parts * stride_of(SCRATCH_SIZE); i++) w.scratch[i] = 0.0;
+    for (I64 part = 0; part < m.parts; part++) w.arrived[part * stride_of(1)] = 0;
+    for (I64 band = 0; band < m.bands; band++) w.band_part[band] = part_of(m, s, band);
+    for (I64 r = 0; r < m.runs; r++) {
+        w.run_uniform[r] = is_uniform(m, s, r);
+        w.run_pulled[r] = w.run_loaded[r] = w.run_uniform[r] && has_end_loads(m, s, r);
     }
+    for (I64 i = 0; i < m.nodes; i++) w.link_kink[i] = 0.0, w.link_contacts[i] = 0;
+    const auto pull = [&](I64 node) {
+        if (const I64 run = run_around(m, s, node); run >= 0) w.run_pulled[run] = 1;
+    };
+    for (I64 k = 0; k < m.contacts; k++) {
+        I64 run = first_run_of(m, m.contact_run[k]);
+        for (; w.run_pulled[run] = 1, goes_on(m, run); run++) continue;
+        pull(m.contact_body[k]);
+    }
+    for (I64 k = 0; k < m.springs; k++) pull(m.spring_begin[k]), pull(m.spring_end[k]);
+    visit_others<2>(m, s, [&]<class E>(const auto&, const I64* nodes) {
+        for (int i = 0; i < E::UNKNOWNS / 2; i++) pull(nodes[i]);
+    });
+    for (I64 band = 0; band < m.bands; band++)
+        for (I64 k = 0; k < m.band_springs[band]; k++) pull(m.band_begin[band] + k), pull(m.band_end[band] + k);
 }
 
 Finding bind(const Blocks& blocks, const I64* bytes) {
@@ -161,10 +226,12 @@ Finding bind(const Blocks& blocks, const I64* bytes) {
     const State s(blocks.state);
     Workspace w(blocks.work);
     for (I64 i = 0; i < m.nodes; i++) w.force[i] = 0.0;
-    if (const Finding found = check_runs(m); found.fault != Fault::NONE) return found;
+    if (const Finding found = check_runs(m, s); found.fault != Fault::NONE) return found;
     if (const Finding found = check_springs(m); found.fault != Fault::NONE) return found;
+    if (const Finding found = check_bands(m); found.fault != Fault::NONE) return found;
+    if (const Finding found = check_parts(m); found.fault != Fault::NONE) return found;
     if (const Finding found = check_joints(m, s, w); found.fault != Fault::NONE) return found;
-    prepare(m, w);
+    prepare(m, s, w);
     blocks.work.header().is_bound = 1;
     return {Fault::NONE, 0, 0};
 }

@@ -82,12 +82,13 @@ struct Sweep {
     Workspace& w;
     const Step& step;
     Links p;
+    I64 part;
     I64 first, links;  // of the run
     bool is_pulled, is_uniform;
 
-    Sweep(const Model& model, const State& state, Workspace& work, const Step& step_, I64 run)
-        : m(model), s(state), w(work), step(step_), p(links_of(model, run)) {
-        first = m.run_first[run], links = m.run_links[run];
+    Sweep(const Model& model, const State& state, Workspace& work, const Step& step_, I64 run, I64 part_)
+        : m(model), s(state), w(work), step(step_), p(links_of(model, run)), part(part_) {
+        first = s.run_first[run], links = s.run_links[run];
         is_pulled = w.run_pulled[run], is_uniform = w.run_uniform[run];
     }
 
@@ -102,7 +103,7 @@ struct Sweep {
     enum Row { BEND, PULL, NEAR, FAR, MOMENT };  // of the scratch space, for each axis: numbers of nodes and links
 
     double* row(Row which, int axis) const {
-        return w.scratch.at((which * AXES + axis) * SCRATCH_ROW, SCRATCH_ROW) + MARGIN;
+        return w.scratch.at(part * stride_of(SCRATCH_SIZE) + (which * AXES + axis) * SCRATCH_ROW, SCRATCH_ROW) + MARGIN;
     }
     const double* positions(int axis, I64 a) const { return s.position.at(axis * m.stride + first + a, 1); }
 
@@ -225,7 +226,7 @@ struct Sweep {
     }
     void move_nodes(I64 a, I64 begin, I64 end) {
         if (is_uniform)
-            move_nodes(Uniform<AXES>(m, first + 1), a, begin, end);
+            move_nodes(Uniform<AXES>(m, first + links / 2), a, begin, end);
         else
             move_nodes(Various{m}, a, begin, end);
     }

@@ -1,7 +1,7 @@
 """The pieces of line beside wheels that have a place of their own, at many instants at once.
 
 A wheel stands within a link, which it divides, or in the place of a node. Only these links are looked at here: whole
-ones are those of lines without wheels (`many_frames.py`).
+ones are those of lines without wheels (`frames.py`).
 """
 
 from __future__ import annotations
@@ -105,15 +105,7 @@ class SplitLinks:
     def of(
         strands: Strands, strand: Integers, xi: Array, speed: Array, nodes: ManyNodes, bodies: ManyBodies
     ) -> SplitLinks:
-        """Look for them.
-
-        Args:
-            strands: the lines.
-            strand: (wheel,) of each.
-            xi, speed: (instant, wheel) m, m/s.
-            nodes: of the lines.
-            bodies: what stands on them.
-        """
+        """Look for them. `strand`: (wheel,) of each; `xi`, `speed`: (instant, wheel) m, m/s."""
         inside = bodies.phase == INSIDE
         order = np.lexsort((xi, np.where(inside, bodies.at, nodes.X.shape[1])), axis=-1)  # those inside of links first
         row, place = np.nonzero(np.take_along_axis(inside, order, axis=1))

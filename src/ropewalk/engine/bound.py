@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from threading import Thread
 from time import perf_counter
 from typing import Any, Literal, NamedTuple, get_args
 
@@ -31,7 +32,19 @@ class Potentials(NamedTuple):
     """Potential energies of a structure, J."""
 
     elastic: float
+    """Of all elements; contacts with the potential of the forces that are given there."""
     weight: float
+
+
+class ContactForces(NamedTuple):
+    """Contacts at a state."""
+
+    force: Array
+    """(axis, contact) of the load on its run, N."""
+    point: Array
+    """(axis, contact) where it acts, m; zero where a contact is off its run."""
+    driving: Array
+    """(contact,) force that moves a contact along its run: change of all energy with its place, N."""
 
 
 class TangentMatrices(NamedTuple):
@@ -46,7 +59,7 @@ class Bound:
     """Model and State that the core has checked, with a Workspace of their own."""
 
     def __init__(self, model: Block, state: Block) -> None:
-        """Check every number and index once. The arrays of the Model cannot be changed from now on.
+        """Check every number and index once. From now on the Model and indices of the State cannot be changed.
 
         Raises:
             RopewalkError: naming the array and the entry that is wrong.
@@ -61,23 +74,37 @@ class Bound:
             raise RopewalkError(_message(model, state, *finding))
         for block in (model, self.work):
             block.freeze()
+        state.freeze(indices=True)
         self._speed = 0.0  # steps per second
 
-    def advance(self, steps: int, dt: float, variant: str | None = None) -> Advance:
-        """Take steps of Verlet's method. How they are divided into calls makes no difference to any bit.
+    def advance(self, steps: int, dt: float, variant: str | None = None, threads: int = 1) -> Advance:
+        """Take steps of Verlet's method. Neither their division into calls nor threads make a difference to any bit.
 
         Args:
             steps: number of steps.
             dt: step, s.
             variant: instruction set; None: the best one of this processor.
+            threads: 1, or as many as the structure has parts; they wait for each other without rest, so each needs a
+                processor of its own.
+
+        Raises:
+            RopewalkError: this processor has no such instruction set, or the structure not as many parts.
         """
+        if threads not in (1, parts := self.model.sizes["PARTS"]):
+            raise RopewalkError(f"threads: {threads} for {parts} parts; use one, or one for each part")
         number, done, taken = VARIANTS.index(variant or variants()[-1]), ctypes.c_int64(), 0
         while taken < steps:
             count = min(steps - taken, max(16, int(CALL * self._speed)))
             begin = perf_counter()
-            outcome = library().rw_advance(
-                number, self._bases, count, dt, ctypes.addressof(self.stop), ctypes.addressof(done)
-            )
+            arguments = (threads, count, dt, ctypes.addressof(self.stop))
+            counts = [done, *(ctypes.c_int64() for _ in range(1, threads))]
+            calls = [(number, self._bases, k, *arguments, ctypes.addressof(each)) for k, each in enumerate(counts)]
+            others = [Thread(target=library().rw_advance, args=call) for call in calls[1:]]
+            for each in others:
+                each.start()
+            outcome = library().rw_advance(*calls[0])
+            for each in others:
+                each.join()
             if outcome < 0:
                 raise RopewalkError(f"this processor does not run the variant {variant}; use {', '.join(variants())}")
             self._speed = done.value / max(perf_counter() - begin, 1e-9)
@@ -110,6 +137,13 @@ class Bound:
         found = np.zeros(2)
         library().rw_energies(self._bases, found.ctypes.data)
         return Potentials(*found.tolist())
+
+    def contacts(self) -> ContactForces:
+        """Return the forces of contacts at the positions of the State."""
+        axes, count = self.model.sizes["AXES"], self.model.sizes["CONTACTS"]
+        values = np.zeros((2 * axes + 1, count))
+        library().rw_contacts(self._bases, values.ctypes.data)
+        return ContactForces(values[:axes], values[axes : 2 * axes], values[2 * axes])
 
     def kinetic_energy(self) -> float:
         """Return the kinetic energy at the instant of the positions, J."""
@@ -161,11 +195,15 @@ _FAULTS = {
     6: "is {value}; a copy is no inner node of a run and no original, is named once, has no mobility, no weight, "
     "and the position and velocity of its original",
     7: "is node {value}, which is the first node of the spring, too",
-    8: "is {value}; a structure with dampers needs VISCOUS = NODES",
+    8: "is {value}; a band has at least one spring, its sides end at node {last} at most and have no node in common, "
+    "and bands are in the order of their lowest nodes",
+    9: "is {value}; the first part begins at run 0, others at ascending runs",
+    10: "is {value}; a structure with dampers needs VISCOUS = NODES",
 }
 _ADMITTED = {
     "FINITE": "finite numbers", "NOT_NEGATIVE": "finite numbers that are not negative", "POSITIVE": "positive numbers",
     "FLAG": "0 or 1", "COUNT": "whole numbers that are not negative", "NODE": "nodes", "RUN": "runs",
+    "OPTION": "nodes, or -1",
 }  # fmt: skip
 
 

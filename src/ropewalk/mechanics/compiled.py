@@ -28,10 +28,7 @@ class Kernel:
 
     That takes a tenth of a millisecond, and of what a run imports, three of four are called by kernels that are there.
 
-    Args:
-        function: as it is written.
-        compiler: what compiles it.
-        options: of Numba.
+    `function`: as it is written.
     """
 
     def __init__(self, function: Callable[..., Any], compiler: type[PartCompiler], options: dict[str, Any]) -> None:
@@ -100,9 +97,7 @@ class Compiling(events.Listener):
     def __init__(self) -> None:
         self.seconds = 0.0  # so far in this process
         self.kernels = 0  # begun so far, Numba's own included
-        self.progress: Callable[[float, str], None] | None = (
-            None  # called with the part that is done, and what is begun
-        )
+        self.progress: Callable[[float, str], None] | None = None  # gets the part that is done, and what is begun
         self._depth, self._since, self._garbage = 0, 0.0, gc.get_threshold()
         self._ahead, self._begun = set[str](), set[str]()  # kernels that the outermost may call, and those begun
 

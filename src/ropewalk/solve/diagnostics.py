@@ -1,8 +1,4 @@
-"""What an engineer should know of a slow motion although it went through: each remark once, where it begins.
-
-And of a motion: which contacts begin in one link, which two loads have ended it by coming together, and which one has
-torn at its support.
-"""
+"""Diagnostics of plain ropes in quasi-static runs and in motion, each reported once, where it begins."""
 
 from __future__ import annotations
 
@@ -130,8 +126,7 @@ def counts(parting: Array, energy: Array) -> NDArray[np.bool_]:
 def on_parting(setting: PreparedRun, parting: Array, energy: float, made: set[int]) -> list[str]:
     """The wheels that have torn at a support when they left their line, each of them once; `energy` in J counts.
 
-    Args:
-        parting: (wheel,) J, lost by the line when each left it.
+    `parting`: (wheel,) J, lost by the line when each left it.
     """
     found = []
     for k, lost in enumerate(parting):

@@ -16,13 +16,7 @@ def eigenpairs(matrix: Any, how_many: int, **options: Any) -> Any:
 
     A second attempt takes more vectors, which many alike eigenvalues need.
 
-    Args:
-        matrix: (n, n), sparse or an operator.
-        how_many: of them.
-        options: of `scipy.sparse.linalg.eigsh`.
-
-    Raises:
-        RopewalkError: neither attempt converges.
+    `matrix`: (n, n), sparse or an operator.
     """
     try:
         return eigsh(matrix, k=how_many, **options)

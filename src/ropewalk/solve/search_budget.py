@@ -52,8 +52,7 @@ _PRESENT: ContextVar[_Effort | None] = ContextVar("search", default=None)
 def search(names: Sequence[str] = ()) -> Iterator[None]:
     """Count what is done within as one search, or as a part of the present one.
 
-    Args:
-        names: lines of the runs whose equilibrium is sought, for messages.
+    `names`: lines of the runs whose equilibrium is sought, for messages.
     """
     present = _PRESENT.get()
     if present is not None:
@@ -77,11 +76,7 @@ def names_of_runs() -> Sequence[str]:
 
 
 def spend(shape: Array) -> None:
-    """Count one factorisation, of the stiffness at a shape in m.
-
-    Raises:
-        SearchBudgetError: the budget of the search is used up.
-    """
+    """Count one factorisation, of the stiffness at a shape in m."""
     if (present := _PRESENT.get()) is None:
         return
     present.factorisations += 1

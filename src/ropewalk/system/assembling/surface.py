@@ -78,12 +78,8 @@ def polygon(points: ArrayLike, spacing: float) -> Surface:
 
     The vertices of the rim come first, in order, from the first corner. The same outline gives the same division.
 
-    Args:
-        points: corners (corner, 2) in m, either way round; the first may be repeated at the end.
-        spacing: largest distance of neighbours on the rim, and that of the grid inside, m.
-
-    Raises:
-        ValueError: fewer than three corners, an outline that crosses or touches itself, a spacing out of range.
+    `points`: corners (corner, 2) in m, either way round; the first may be repeated at the end; `spacing`: largest
+    distance of neighbours on the rim, and that of the grid inside, m.
     """
     corners = _checked_outline(points)
     if not (np.isfinite(spacing) and spacing > 0.0):
@@ -129,7 +125,6 @@ def locate(surface: Surface, point: ArrayLike) -> tuple[int, Array]:
     """Find the triangle in which a point of the plan lies.
 
     Args:
-        surface: where to look.
         point: (u, v) in m.
 
     Returns:
@@ -142,7 +137,8 @@ def locate(surface: Surface, point: ArrayLike) -> tuple[int, Array]:
     away = surface.plan[surface.triangle] - p
     one, two = np.roll(away, -1, axis=1), np.roll(away, -2, axis=1)
     share = _cross(one, two)
-    share /= share.sum(axis=1, keepdims=True)
+    with np.errstate(divide="ignore", invalid="ignore"):  # so far away that rounding leaves no area: in no triangle
+        share /= share.sum(axis=1, keepdims=True)
     lowest = share.min(axis=1)
     inside = np.flatnonzero(lowest >= -_ON_EDGE)
     return (int(inside[0]), share[inside[0]]) if inside.size else (-1, np.full(3, np.nan))

@@ -1,7 +1,6 @@
-"""A run of kind linear on the system: small motion about rest in all directions, by superposition of modes.
+"""Runs of kind linear on the system: small motion about equilibrium by superposition of its modes.
 
-Modes are those of the stiffness, masses and dampers of the structure at rest without loads. What travels over it goes
-along its lines as they rest; `solve/superposition.py` does the rest.
+Loads travel along lines as these rest without loads, see `solve/superposition.py`.
 """
 
 from __future__ import annotations
@@ -47,8 +46,7 @@ from ropewalk.system.reporting.doubts import doubt_slack, doubt_sticking, joined
 from ropewalk.system.reporting.frames import FrameBuilder, SystemNote
 from ropewalk.system.small_motion.mean_wind import RestInWind, doubt_gusts, unknowns_at
 from ropewalk.system.small_motion.passing import Passing
-from ropewalk.system.small_motion.rest_state import RestState
-from ropewalk.system.small_motion.ties_about_rest import TiesAboutRest
+from ropewalk.system.small_motion.rest_state import RestState, TiesAboutRest
 
 _STORED = ("kinetic", "elastic", "gravitational", "load_kinetic", "load_potential")
 _KNOWN = [ENERGY_FORMS.index(form) for form in _STORED]
@@ -62,14 +60,8 @@ _LINKS = 0.5  # of a link, that contacts go in the longest step
 class Superposed:
     """A linear run: its layout, and its frames.
 
-    Args:
-        scenario: what is computed.
-        run: its run.
-        times: output instants in s, from 0.
-        run_info: filled in.
-
-    Raises:
-        RopewalkError: there is no rest, or something resists nothing to the first order.
+    `times`: output instants in s, from 0; raises RopewalkError: there is no rest, or something resists nothing to the
+    first order.
     """
 
     def __init__(self, scenario: Scenario, run: Linear, times: Array, run_info: RunInfo) -> None:
@@ -129,11 +121,7 @@ class Superposed:
         return self._builder.layout
 
     def frames(self) -> Iterator[Frame]:
-        """All frames.
-
-        Raises:
-            RopewalkError: a load passes an end of its line that it must not pass.
-        """
+        """All frames. Raises RopewalkError: a load passes an end of its line that it must not pass."""
         gusts = None if self._air is None else self._air.gusts
         motion = Superposition(self.modes, self._passing, self._bodies(), self.rest.shape[0], gusts)
         stretches = self._stretches()
