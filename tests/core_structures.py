@@ -3,6 +3,8 @@ the same bits everywhere."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,6 +26,8 @@ def rope(links: int = 40, axes: int = 2, run: RunProperties = ROPE, sag: float =
     """A rope that hangs between two held nodes, 1 % shorter than its links are long."""
     builder = Builder(axes)
     builder.fix(*builder.add_run(parabola(0.0, 0.99 * links * run.link_length, links, sag, axes), run))
+    if run.taut:
+        builder.fix(*range(links + 1), axes=range(axes - 1))
     return Bound(*builder.build())
 
 
@@ -66,6 +70,23 @@ def tripod(axes: int = 3, damping: float = 0.0, ties: bool = True) -> Bound:
     return Bound(*builder.build())
 
 
+def taut_lines(axes: int = 2, damping: float = 0.0) -> Bound:
+    """Two taut lines above each other, which move upwards only, with droppers, masses, and inner supports of the upper."""
+    builder, links = Builder(axes), 267
+    along = np.zeros((axes, links + 1))
+    along[0] = 0.5 * np.arange(links + 1)
+    run = RunProperties(0.5, 1.2, 0.0, bending_stiffness=20.0, tension=2e4, taut=True)
+    low, _ = builder.add_run(along, run)
+    along[-1] += 1.0
+    high, _ = builder.add_run(along, replace(run, tension=1.6e4))
+    builder.fix(*range(high + links + 1), axes=range(axes - 1))
+    builder.fix(low, low + links, high, high + 129, high + links - 1, high + links)
+    for k in range(10, links, 13):
+        builder.add_spring(low + k, high + k, SpringProperties(1e5, 0.997, damping, tension_only=True))
+        builder.add_mass(low + k, 0.2 * (k % 2))
+    return Bound(*builder.build())
+
+
 STRUCTURES = {
     "rope": rope, "rope in space": lambda: rope(axes=3, links=300),
     "straight links": lambda: rope(run=RunProperties(0.5, 1.0, 1e4, curved=False), links=133),
@@ -73,6 +94,9 @@ STRUCTURES = {
     "tension only": lambda: rope(run=RunProperties(0.5, 1.0, 1e4, tension_only=True), links=257),
     "bridge": bridge, "damped bridge in space": lambda: bridge(3, 30.0),
     "bridge under a force": lambda: bridge(force=-500.0), "tripod": tripod, "damped tripod": lambda: tripod(2, 5.0),
+    "plain bending": lambda: rope(run=RunProperties(0.5, 1.0, 1e4, 0.0, 30.0, curved=False), links=131),
+    "damped plain bending": lambda: rope(axes=3, run=RunProperties(0.5, 1.0, 1e4, 9.0, 30.0, curved=False)),
+    "taut lines": taut_lines, "damped droppers in space": lambda: taut_lines(3, 40.0),
 }  # fmt: skip
 """One of each kind: both dimensions, links of both kinds, damped or not, joints, springs, blocks that end anywhere."""
 

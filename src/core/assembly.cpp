@@ -12,13 +12,16 @@ static void visit_elements(const Model& m, Visit visit) {
     for (I64 r = 0; r < m.runs; r++) {
         Links p = links_of(m, r);
         const I64 first = m.run_first[r], last = first + m.run_links[r];
+        const Kind kind = kind_of(m, r);
         for (I64 i = first; i < last; i++) {
             p.begins = i == first, p.ends = i + 1 == last;
             const I64 nodes[] = {p.begins ? i : i - 1, i, i + 1, p.ends ? i + 1 : i + 2};
-            if (m.run_curved[r])
-                visit.template operator()<Curved<AXES>>(p, nodes);
-            else
-                visit.template operator()<Straight<AXES>>(p.axial, nodes + 1);
+            switch (kind) {
+                case Kind::STRAIGHT: visit.template operator()<Straight<AXES>>(p.axial, nodes + 1); break;
+                case Kind::CURVED: visit.template operator()<Curved<AXES>>(p, nodes); break;
+                case Kind::PLAIN: visit.template operator()<Plain<AXES, false>>(p, nodes); break;
+                case Kind::TAUT: visit.template operator()<Plain<AXES, true>>(p, nodes);
+            }
         }
     }
     for (I64 k = 0; k < m.springs; k++) {

@@ -7,6 +7,7 @@ namespace RW_VARIANT {
 
 constexpr U64 SEAL = seal_of(TABLE);
 constexpr I64 LARGEST = 1ll << 31;
+constexpr I64 FEW = 8;  // links or more for each pulled node of a run: these are few
 
 bool complete(I64* counts) {
     counts[ONE] = 1, counts[SCRATCH] = SCRATCH_SIZE, counts[STENCIL] = SHARED;
@@ -85,6 +86,20 @@ static Finding check_runs(const Model& m) {
     return {Fault::NONE, 0, 0};
 }
 
+// Nodes inside taut runs move along the last axis only.
+static Finding check_taut_runs(const Model& m, const State& s) {
+    for (I64 r = 0; r < m.runs; r++) {
+        for (I64 axis = 0; m.run_taut[r] && axis < m.axes - 1; axis++) {
+            for (I64 i = m.run_first[r] + 1; i < m.run_first[r] + m.run_links[r]; i++) {
+                const I64 at = axis * m.stride + i, entry = axis * m.nodes + i;
+                if (m.mobility[at] != 0.0) return {Fault::TAUT, number_of_mobility, entry};
+                if (s.velocity[at] != 0.0) return {Fault::TAUT, number_of_velocity, entry};
+            }
+        }
+    }
+    return {Fault::NONE, 0, 0};
+}
+
 static Finding check_springs(const Model& m) {
     for (I64 k = 0; k < m.springs; k++) {
         if (m.spring_begin[k] == m.spring_end[k]) return {Fault::SPRING, number_of_spring_end, k};
@@ -128,27 +143,61 @@ static Finding check_joints(const Model& m, const State& s, Workspace& w) {
     return {Fault::NONE, 0, 0};
 }
 
-// Whether all inner nodes of a run have the same mobility and weight.
-static bool is_uniform(const Model& m, I64 run) {
-    const I64 first = m.run_first[run] + 1, last = m.run_first[run] + m.run_links[run];
+// Whether a node has another mobility or weight than a second one.
+static bool differs(const Model& m, I64 i, I64 j) {
     for (I64 row = 0; row < m.axes * m.stride; row += m.stride)
-        for (I64 i = row + first; i < row + last; i++)
-            if (m.mobility[i] != m.mobility[row + first] || m.weight[i] != m.weight[row + first]) return false;
-    return true;
+        if (m.mobility[row + i] != m.mobility[row + j] || m.weight[row + i] != m.weight[row + j]) return true;
+    return false;
+}
+
+// List the nodes inside runs that differ from the second node of their run.
+static void find_odd_nodes(const Model& m, Workspace& w) {
+    I64 count = 0;
+    for (I64 r = 0; r < m.runs; r++) {
+        const I64 begin = count, first = m.run_first[r];
+        for (I64 i = first + 2; i < first + m.run_links[r]; i++)
+            if (differs(m, i, first + 1)) w.odd[count++] = i;
+        w.run_odd[r] = count - begin;
+    }
+}
+
+// Find what else than links acts on nodes inside runs; where these are few they are listed.
+static void find_pulled_runs(const Model& m, Workspace& w) {
+    for (I64 r = 0; r < m.runs; r++) w.run_pulled[r] = 0, w.run_damped[r] = m.axial_damping[r] > 0.0;
+    const auto pull = [&](I64 node, bool damps) {
+        if (const I64 run = run_around(m, node); run >= 0) w.run_pulled[run]++, w.run_damped[run] |= damps;
+    };
+    for (I64 k = 0; k < m.springs; k++) {
+        const bool damps = m.spring_damping[k] > 0.0;
+        pull(m.spring_begin[k], damps), pull(m.spring_end[k], damps);
+    }
+    visit_others<2>(m, [&]<class E>(const auto&, const I64* nodes) {
+        for (int i = 0; i < E::UNKNOWNS / 2; i++) pull(nodes[i], true);
+    });
+    for (I64 r = 0; r < m.runs; r++) w.run_pulled[r] = w.run_damped[r] || FEW * w.run_pulled[r] > m.run_links[r];
+}
+
+// List the nodes on which springs and others act, but where a whole run is moved with their forces.
+static void find_kicked_nodes(const Model& m, Workspace& w) {
+    w.kicks[0] = 0;
+    const auto list = [&](I64 node) {
+        const I64 run = run_around(m, node);
+        if (run < 0 || w.run_pulled[run] || w.force[node] != 0.0) return;
+        w.kicked[w.kicks[0]++] = node, w.force[node] = 1.0;
+    };
+    for (I64 k = 0; k < m.springs; k++) list(m.spring_begin[k]), list(m.spring_end[k]);
+    visit_others<2>(m, [&]<class E>(const auto&, const I64* nodes) {
+        for (int i = 0; i < E::UNKNOWNS / 2; i++) list(nodes[i]);
+    });
+    for (I64 i = 0; i < w.kicks[0]; i++) w.force[w.kicked[i]] = 0.0;
 }
 
 static void prepare(const Model& m, Workspace& w) {
     for (I64 i = 0; i < m.axes * m.stride; i++) w.force[i] = 0.0;
     for (I64 i = 0; i < SCRATCH_SIZE; i++) w.scratch[i] = 0.0;
-    for (I64 r = 0; r < m.runs; r++) w.run_pulled[r] = 0, w.run_uniform[r] = is_uniform(m, r);
-    for (I64 k = 0; k < m.contacts; k++) w.run_pulled[m.contact_run[k]] = 1;
-    const auto pull = [&](I64 node) {
-        if (const I64 run = run_around(m, node); run >= 0) w.run_pulled[run] = 1;
-    };
-    for (I64 k = 0; k < m.springs; k++) pull(m.spring_begin[k]), pull(m.spring_end[k]);
-    visit_others<2>(m, [&]<class E>(const auto&, const I64* nodes) {
-        for (int i = 0; i < E::UNKNOWNS / 2; i++) pull(nodes[i]);
-    });
+    find_odd_nodes(m, w);
+    find_pulled_runs(m, w);
+    find_kicked_nodes(m, w);
 }
 
 Finding bind(const Blocks& blocks, const I64* bytes) {
@@ -166,6 +215,7 @@ Finding bind(const Blocks& blocks, const I64* bytes) {
     Workspace w(blocks.work);
     for (I64 i = 0; i < m.nodes; i++) w.force[i] = 0.0;
     if (const Finding found = check_runs(m); found.fault != Fault::NONE) return found;
+    if (const Finding found = check_taut_runs(m, s); found.fault != Fault::NONE) return found;
     if (const Finding found = check_springs(m); found.fault != Fault::NONE) return found;
     if (const Finding found = check_joints(m, s, w); found.fault != Fault::NONE) return found;
     prepare(m, w);

@@ -7,6 +7,7 @@
 #include "elements.hpp"
 #include "stencil.hpp"
 #include "sweep.hpp"
+#include "taut.hpp"
 
 namespace RW_VARIANT {
 
@@ -34,11 +35,12 @@ struct Motion {
         add_others();
         press_contacts();
         sum_work(kick);
+        kick_few(kick);
         for (I64 run = 0; run < m.runs; run++) {
-            if (m.run_curved[run])
-                Sweep<AXES, VISCOUS, true>(m, s, w, step, run).run();
+            if (VISCOUS && w.run_damped[run])
+                move_run<VISCOUS>(step, run);
             else
-                Sweep<AXES, VISCOUS, false>(m, s, w, step, run).run();
+                move_run<false>(step, run);
         }
         join(w.force, true);
         move_others(step);
@@ -49,6 +51,36 @@ struct Motion {
         for (I64 k = 0; k < m.contacts; k++) s.contact_place[k] += dt * s.contact_speed[k];
         s.time[0] += dt;
         s.lag[0] = 0.5 * dt;
+    }
+
+    template <bool DAMPED>
+    void move_run(const Step& step, I64 run) {
+        switch (kind_of(m, run)) {
+            case Kind::STRAIGHT: Sweep<AXES, DAMPED, Kind::STRAIGHT>(m, s, w, step, run).run(); break;
+            case Kind::CURVED: Sweep<AXES, DAMPED, Kind::CURVED>(m, s, w, step, run).run(); break;
+            case Kind::PLAIN: Sweep<AXES, DAMPED, Kind::PLAIN>(m, s, w, step, run).run(); break;
+            case Kind::TAUT: Taut<AXES, DAMPED>(m, s, w, step, run).run();
+        }
+    }
+
+    // Forces on nodes of runs where others than links act on few of them: these are kicked alone, and the run is moved
+    // as if nothing acted on it.
+    void kick_few(double kick) {
+        for (I64 i = 0; i < w.kicks[0]; i++) kick_node(kick, w.kicked[i]);
+        for (I64 k = 0; k < m.contacts; k++) {
+            const I64 run = m.contact_run[k], first = m.run_first[run];
+            if (w.run_pulled[run]) continue;
+            for (I64 j = 0; j < w.contact_shared[k]; j++) {
+                const I64 node = w.contact_first[k] + j;
+                if (node > first && node < first + m.run_links[run]) kick_node(kick, node);
+            }
+        }
+    }
+    void kick_node(double kick, I64 node) {
+        for (I64 at = node; at < AXES * m.stride; at += m.stride) {
+            s.velocity[at] += (kick * m.mobility[at]) * w.force[at];
+            w.force[at] = 0.0;
+        }
     }
 
     void pull_springs() {

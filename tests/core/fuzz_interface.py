@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from core_structures import bridge, rope, tripod
+from core_structures import bridge, rope, taut_lines, tripod
 from ropewalk.engine.bound import Bound
 from ropewalk.engine.builder import RunProperties
 from ropewalk.engine.library import library, variants
@@ -83,6 +83,8 @@ def main(path: str, seconds: float, seed: int) -> None:
         bridge(),
         bridge(3, 9.0, force=-50.0),
         tripod(),
+        taut_lines(),
+        taut_lines(3, 40.0),
     ]
     pages, rounds, computed, end = [Guarded() for _ in range(3)], 0, 0, monotonic() + seconds
     while monotonic() < end:

@@ -87,9 +87,12 @@ def test_a_step_feels_the_forces_of_the_elements(kind: str) -> None:
 
 
 @pytest.mark.parametrize("links", [1, 2, 3, 5, 7, 8, 9, 126, 127, 128, 129, 130, 131, 255, 256, 257, 258])
-@pytest.mark.parametrize("curved", [True, False])
-def test_runs_end_anywhere_in_a_block(links: int, curved: bool) -> None:
-    bound, draw = rope(links, run=RunProperties(0.5, 1.0, 1e4, 20.0, 2.0, curved=curved)), np.random.default_rng(links)
+@pytest.mark.parametrize(("curved", "taut"), [(True, False), (False, False), (False, True)])
+@pytest.mark.parametrize("EI", [0.0, 2.0])
+def test_runs_end_anywhere_in_a_block(links: int, curved: bool, taut: bool, EI: float) -> None:
+    damping = 0.0 if taut else 20.0
+    run = RunProperties(0.5, 1.0, 1e4, damping, EI, curved=curved, tension=300.0, taut=taut)
+    bound, draw = rope(links, run=run), np.random.default_rng(links)
     bound.state.position[:] += 0.02 * draw.normal(size=bound.state.position.shape)
     bound.work.memory.flags.writeable = True
     bound.work._views()["scratch"][:] = np.nan  # nothing of it is used that has not been computed

@@ -162,6 +162,7 @@ _FAULTS = {
     "and the position and velocity of its original",
     7: "is node {value}, which is the first node of the spring, too",
     8: "is {value}; a structure with dampers needs VISCOUS = NODES",
+    9: "is {value}; nodes inside a taut run move along the last axis only, hold them along the others",
 }
 _ADMITTED = {
     "FINITE": "finite numbers", "NOT_NEGATIVE": "finite numbers that are not negative", "POSITIVE": "positive numbers",

@@ -26,6 +26,8 @@ class RunProperties:
     bending_stiffness: float = 0.0
     tension_only: bool = False
     curved: bool = True
+    tension: float = 0.0
+    taut: bool = False
 
 
 @dataclass(frozen=True)
@@ -69,7 +71,7 @@ class Builder:
             points: (axis, node) m.
             run: its properties.
         """
-        at = np.asarray(points, dtype=float)
+        at = np.array(points, dtype=float)
         masses = np.full(at.shape[1], run.line_mass * run.link_length)
         masses[[0, -1]] *= 0.5
         first = self._add(at, masses)
