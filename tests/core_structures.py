@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.engine.bound import Bound
-from ropewalk.engine.builder import Builder, RunProperties, SpringProperties
+from ropewalk.engine.builder import Builder, FreePlayProperties, RunProperties, SpringProperties
 
 Array = NDArray[np.float64]
 ROPE = RunProperties(link_length=0.5, line_mass=1.0, axial_stiffness=1e4)
@@ -71,7 +71,7 @@ def tripod(axes: int = 3, damping: float = 0.0, ties: bool = True) -> Bound:
 
 
 def taut_lines(axes: int = 2, damping: float = 0.0) -> Bound:
-    """Two taut lines above each other, which move upwards only, with droppers, masses, and inner supports of the upper."""
+    """Two taut lines above each other, which move upwards only: droppers, masses, inner supports."""
     builder, links = Builder(axes), 267
     along = np.zeros((axes, links + 1))
     along[0] = 0.5 * np.arange(links + 1)
@@ -87,6 +87,60 @@ def taut_lines(axes: int = 2, damping: float = 0.0) -> Bound:
     return Bound(*builder.build())
 
 
+def loose(axes: int = 2, damping: float = 0.0) -> Bound:
+    """A rope with a mass on each of three springs with free play: taut, inside their play, and pushed."""
+    builder = Builder(axes)
+    run = RunProperties(0.5, 1.0, 1e4, damping)
+    points = parabola(0.0, 5.94, 12, 0.4, axes)
+    builder.fix(*builder.add_run(points, run))
+    for node, drop in ((3, 1.3), (6, 1.0), (9, 0.7)):
+        bob = builder.add_node(points[:, node] - np.array([*[0.0] * (axes - 1), drop]), 2.0)
+        builder.add_free_play(node, bob, FreePlayProperties(3000.0, 0.9, 0.2))
+    return Bound(*builder.build())
+
+
+def net(
+    cells: tuple[int, int] = (5, 4),
+    pull: float = 20.0,
+    damping: float = 0.0,
+    free: bool = False,
+    force: float = 0.0,
+    EA: float = 2e3,
+    side: float = 1.0,
+) -> Bound:
+    """A square net of straight threads under a tension, sagged by an eighth; its rim is held unless `free`,
+    when it pushes, too.
+
+    Args:
+        cells: along the threads and across them.
+        pull: tension of a thread, N.
+        damping: EA times the retardation time, N s.
+        free: no rim is held, and there is no gravity.
+        force: down, on a thread in the middle, N.
+        EA: of a thread, N.
+        side: of a cell, m.
+    """
+    builder, (across, rows) = Builder(3, gravity=0.0 if free else 9.81), cells
+    h = side / (1.0 + pull / EA)
+    thread = RunProperties(h, 0.4, EA, damping, tension_only=not free, curved=False)
+    link = SpringProperties(EA / h, h, damping / h, tension_only=not free)
+    y, firsts = np.arange(across + 1) / across, list[int]()
+    for row in range(rows + 1):
+        z = -2.0 * side * y * (1.0 - y) * row / rows * (1.0 - row / rows)
+        first, last = builder.add_run(np.array([across * side * y, np.full(across + 1, row * side), z]), thread)
+        if not free:
+            builder.fix(*(range(first, last + 1) if row in (0, rows) else (first, last)))
+        for node in range(first + 1, last):  # threads across, of the same mass
+            builder.add_mass(node, 0.4 * h)
+        firsts.append(first)
+    for row in range(rows):  # one of them from its end to its beginning
+        sides = firsts[row : row + 2] if row else firsts[1::-1]
+        builder.add_band(sides[0] + 1, sides[1] + 1, across - 1, link)
+    if force:
+        builder.add_force(rows // 2, [0.0, 0.0, -force], 0.3 * side, 2.0)
+    return Bound(*builder.build())
+
+
 STRUCTURES = {
     "rope": rope, "rope in space": lambda: rope(axes=3, links=300),
     "straight links": lambda: rope(run=RunProperties(0.5, 1.0, 1e4, curved=False), links=133),
@@ -97,6 +151,9 @@ STRUCTURES = {
     "plain bending": lambda: rope(run=RunProperties(0.5, 1.0, 1e4, 0.0, 30.0, curved=False), links=131),
     "damped plain bending": lambda: rope(axes=3, run=RunProperties(0.5, 1.0, 1e4, 9.0, 30.0, curved=False)),
     "taut lines": taut_lines, "damped droppers in space": lambda: taut_lines(3, 40.0),
+    "free play": loose, "damped free play in space": lambda: loose(3, 20.0),
+    "net under a force": lambda: net((9, 4), force=50.0),
+    "damped free net": lambda: net((142, 3), damping=0.7, free=True, side=0.25),
 }  # fmt: skip
 """One of each kind: both dimensions, links of both kinds, damped or not, joints, springs, blocks that end anywhere."""
 

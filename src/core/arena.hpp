@@ -119,7 +119,7 @@ struct Cursor {
 };
 
 struct Model {
-    I64 axes, nodes, viscous, runs, springs, joints, contacts;
+    I64 axes, nodes, viscous, runs, springs, bands, joints, contacts;
     I64 stride;         // of arrays of nodes
     const I64* counts;  // of all dimensions
 #define DIMENSION(...)
@@ -130,7 +130,8 @@ struct Model {
 
     explicit Model(Arena arena) : counts(arena.header().counts) {
         axes = counts[AXES], nodes = counts[NODES], viscous = counts[VISCOUS];
-        runs = counts[RUNS], springs = counts[SPRINGS], joints = counts[JOINTS], contacts = counts[CONTACTS];
+        runs = counts[RUNS], springs = counts[SPRINGS], bands = counts[BANDS], joints = counts[JOINTS],
+        contacts = counts[CONTACTS];
         stride = stride_of(nodes);
         Cursor cursor(arena);
 #define DIMENSION(...)

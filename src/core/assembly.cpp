@@ -8,10 +8,10 @@ namespace RW_VARIANT {
 
 // Call visit<E>(parameters, nodes) for every element E of a model.
 template <int AXES, class Visit>
-static void visit_elements(const Model& m, Visit visit) {
+static void visit_elements(const Model& m, const State& s, Visit visit) {
     for (I64 r = 0; r < m.runs; r++) {
         Links p = links_of(m, r);
-        const I64 first = m.run_first[r], last = first + m.run_links[r];
+        const I64 first = s.run_first[r], last = first + s.run_links[r];
         const Kind kind = kind_of(m, r);
         for (I64 i = first; i < last; i++) {
             p.begins = i == first, p.ends = i + 1 == last;
@@ -31,7 +31,14 @@ static void visit_elements(const Model& m, Visit visit) {
         const I64 nodes[] = {m.spring_begin[k], m.spring_end[k]};
         visit.template operator()<Straight<AXES>>(p, nodes);
     }
-    visit_others<AXES>(m, visit);
+    for (I64 band = 0; band < m.bands; band++) {
+        const Axial<double> p = springs_of(m, band);
+        for (I64 k = 0; k < m.band_springs[band]; k++) {
+            const I64 nodes[] = {m.band_begin[band] + k, m.band_end[band] + k};
+            visit.template operator()<Straight<AXES>>(p, nodes);
+        }
+    }
+    visit_others<AXES>(m, s, visit);
 }
 
 // Weights of nodes, and the forces of loads where their contacts are.
@@ -57,7 +64,7 @@ struct Assembly {
 
     void forces(const double* velocities, double* forces) const {
         set_loads(m, s, forces);
-        visit_elements<AXES>(m, [&]<class E>(const auto& p, const I64* nodes) {
+        visit_elements<AXES>(m, s, [&]<class E>(const auto& p, const I64* nodes) {
             double x[E::UNKNOWNS], v[E::UNKNOWNS], f[E::UNKNOWNS]{};
             gather<E, AXES>(s.position, m.stride, nodes, x);
             gather<E, AXES>(velocities, m.nodes, nodes, v);
@@ -68,7 +75,7 @@ struct Assembly {
 
     void energies(double* energies) const {
         energies[0] = energies[1] = 0.0;
-        visit_elements<AXES>(m, [&]<class E>(const auto& p, const I64* nodes) {
+        visit_elements<AXES>(m, s, [&]<class E>(const auto& p, const I64* nodes) {
             double x[E::UNKNOWNS];
             gather<E, AXES>(s.position, m.stride, nodes, x);
             energies[0] += E::energy(p, c, x);
@@ -81,13 +88,13 @@ struct Assembly {
     I64 entries() const {
         I64 count = 0;
         visit_elements<AXES>(
-            m, [&]<class E>(const auto&, const I64*) { count += static_cast<I64>(E::UNKNOWNS) * E::UNKNOWNS; });
+            m, s, [&]<class E>(const auto&, const I64*) { count += static_cast<I64>(E::UNKNOWNS) * E::UNKNOWNS; });
         return count;
     }
 
     void matrices(const double* velocities, double* forces, I64* rows, I64* columns, double* K, double* C) const {
         set_loads(m, s, forces);
-        visit_elements<AXES>(m, [&]<class E>(const auto& p, const I64* nodes) {
+        visit_elements<AXES>(m, s, [&]<class E>(const auto& p, const I64* nodes) {
             constexpr int N = E::UNKNOWNS;
             double x[N], v[N], f[N];
             gather<E, AXES>(s.position, m.stride, nodes, x);

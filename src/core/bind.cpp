@@ -74,13 +74,13 @@ enum Number : I64 {
 #include "fields.def"
 };
 
-static Finding check_runs(const Model& m) {
+static Finding check_runs(const Model& m, const State& s) {
     I64 begin = 0;
     for (I64 r = 0; r < m.runs; r++) {
-        if (m.run_first[r] < begin) return {Fault::RUN, number_of_run_first, r};
-        if (m.run_links[r] < 1 || m.run_links[r] >= m.nodes - m.run_first[r])
+        if (s.run_first[r] < begin) return {Fault::RUN, number_of_run_first, r};
+        if (s.run_links[r] < 1 || s.run_links[r] >= m.nodes - s.run_first[r])
             return {Fault::RUN, number_of_run_links, r};
-        begin = m.run_first[r] + m.run_links[r] + 1;
+        begin = s.run_first[r] + s.run_links[r] + 1;
         if (!m.viscous && m.axial_damping[r] > 0.0) return {Fault::UNDAMPED, number_of_axial_damping, r};
     }
     return {Fault::NONE, 0, 0};
@@ -90,7 +90,7 @@ static Finding check_runs(const Model& m) {
 static Finding check_taut_runs(const Model& m, const State& s) {
     for (I64 r = 0; r < m.runs; r++) {
         for (I64 axis = 0; m.run_taut[r] && axis < m.axes - 1; axis++) {
-            for (I64 i = m.run_first[r] + 1; i < m.run_first[r] + m.run_links[r]; i++) {
+            for (I64 i = s.run_first[r] + 1; i < s.run_first[r] + s.run_links[r]; i++) {
                 const I64 at = axis * m.stride + i, entry = axis * m.nodes + i;
                 if (m.mobility[at] != 0.0) return {Fault::TAUT, number_of_mobility, entry};
                 if (s.velocity[at] != 0.0) return {Fault::TAUT, number_of_velocity, entry};
@@ -105,32 +105,48 @@ static Finding check_springs(const Model& m) {
         if (m.spring_begin[k] == m.spring_end[k]) return {Fault::SPRING, number_of_spring_end, k};
         if (!m.viscous && m.spring_damping[k] > 0.0) return {Fault::UNDAMPED, number_of_spring_damping, k};
     }
+    for (I64 k = 0; k < m.counts[PLAYS]; k++)
+        if (m.play_begin[k] == m.play_end[k]) return {Fault::SPRING, number_of_play_end, k};
+    return {Fault::NONE, 0, 0};
+}
+
+static Finding check_bands(const Model& m) {
+    I64 before = 0;
+    for (I64 k = 0; k < m.bands; k++) {
+        const I64 begin = m.band_begin[k], end = m.band_end[k], springs = m.band_springs[k];
+        const I64 low = begin < end ? begin : end, high = begin < end ? end : begin;
+        if (springs < 1 || springs > m.nodes - high || springs > high - low)
+            return {Fault::BAND, number_of_band_springs, k};
+        if (low < before) return {Fault::BAND, number_of_band_begin, k};
+        if (!m.viscous && m.band_damping[k] > 0.0) return {Fault::UNDAMPED, number_of_band_damping, k};
+        before = low;
+    }
     return {Fault::NONE, 0, 0};
 }
 
 // Number of the run that a node is inside of, or -1. Runs are in order.
-static I64 run_around(const Model& m, I64 node) {
+static I64 run_around(const Model& m, const State& s, I64 node) {
     I64 low = 0, high = m.runs;
     while (low < high) {
         const I64 middle = (low + high) / 2;
-        if (m.run_first[middle] < node)
+        if (s.run_first[middle] < node)
             low = middle + 1;
         else
             high = middle;
     }
-    return low > 0 && node < m.run_first[low - 1] + m.run_links[low - 1] ? low - 1 : -1;
+    return low > 0 && node < s.run_first[low - 1] + s.run_links[low - 1] ? low - 1 : -1;
 }
 
 // Copies are marked in the Workspace while joints are checked.
 static Finding check_joints(const Model& m, const State& s, Workspace& w) {
     for (I64 j = 0; j < m.joints; j++) {
         const I64 copy = m.joint_copy[j];
-        if (w.force[copy] != 0.0 || run_around(m, copy) >= 0) return {Fault::JOINT, number_of_joint_copy, j};
+        if (w.force[copy] != 0.0 || run_around(m, s, copy) >= 0) return {Fault::JOINT, number_of_joint_copy, j};
         w.force[copy] = 1.0;
     }
     for (I64 j = 0; j < m.joints; j++) {
         const I64 copy = m.joint_copy[j], original = m.joint_original[j];
-        if (w.force[original] != 0.0 || run_around(m, original) >= 0)
+        if (w.force[original] != 0.0 || run_around(m, s, original) >= 0)
             return {Fault::JOINT, number_of_joint_original, j};
         for (I64 axis = 0; axis < m.axes; axis++) {
             const I64 row = axis * m.stride, entry = axis * m.nodes + copy;
@@ -151,53 +167,58 @@ static bool differs(const Model& m, I64 i, I64 j) {
 }
 
 // List the nodes inside runs that differ from the second node of their run.
-static void find_odd_nodes(const Model& m, Workspace& w) {
+static void find_odd_nodes(const Model& m, const State& s, Workspace& w) {
     I64 count = 0;
     for (I64 r = 0; r < m.runs; r++) {
-        const I64 begin = count, first = m.run_first[r];
-        for (I64 i = first + 2; i < first + m.run_links[r]; i++)
+        const I64 begin = count, first = s.run_first[r];
+        for (I64 i = first + 2; i < first + s.run_links[r]; i++)
             if (differs(m, i, first + 1)) w.odd[count++] = i;
         w.run_odd[r] = count - begin;
     }
 }
 
 // Find what else than links acts on nodes inside runs; where these are few they are listed.
-static void find_pulled_runs(const Model& m, Workspace& w) {
+static void find_pulled_runs(const Model& m, const State& s, Workspace& w) {
     for (I64 r = 0; r < m.runs; r++) w.run_pulled[r] = 0, w.run_damped[r] = m.axial_damping[r] > 0.0;
-    const auto pull = [&](I64 node, bool damps) {
-        if (const I64 run = run_around(m, node); run >= 0) w.run_pulled[run]++, w.run_damped[run] |= damps;
+    const auto pull = [&](I64 node, bool damps, I64 count) {
+        if (const I64 run = run_around(m, s, node); run >= 0) w.run_pulled[run] += count, w.run_damped[run] |= damps;
     };
     for (I64 k = 0; k < m.springs; k++) {
         const bool damps = m.spring_damping[k] > 0.0;
-        pull(m.spring_begin[k], damps), pull(m.spring_end[k], damps);
+        pull(m.spring_begin[k], damps, 1), pull(m.spring_end[k], damps, 1);
     }
-    visit_others<2>(m, [&]<class E>(const auto&, const I64* nodes) {
-        for (int i = 0; i < E::UNKNOWNS / 2; i++) pull(nodes[i], true);
+    for (I64 band = 0; band < m.bands; band++)
+        for (I64 k = 0; k < m.band_springs[band]; k++) {
+            pull(m.band_begin[band] + k, m.band_damping[band] > 0.0, m.nodes);
+            pull(m.band_end[band] + k, m.band_damping[band] > 0.0, m.nodes);
+        }
+    visit_others<2>(m, s, [&]<class E>(const auto&, const I64* nodes) {
+        for (int i = 0; i < E::UNKNOWNS / 2; i++) pull(nodes[i], true, 1);
     });
-    for (I64 r = 0; r < m.runs; r++) w.run_pulled[r] = w.run_damped[r] || FEW * w.run_pulled[r] > m.run_links[r];
+    for (I64 r = 0; r < m.runs; r++) w.run_pulled[r] = w.run_damped[r] || FEW * w.run_pulled[r] > s.run_links[r];
 }
 
 // List the nodes on which springs and others act, but where a whole run is moved with their forces.
-static void find_kicked_nodes(const Model& m, Workspace& w) {
+static void find_kicked_nodes(const Model& m, const State& s, Workspace& w) {
     w.kicks[0] = 0;
     const auto list = [&](I64 node) {
-        const I64 run = run_around(m, node);
+        const I64 run = run_around(m, s, node);
         if (run < 0 || w.run_pulled[run] || w.force[node] != 0.0) return;
         w.kicked[w.kicks[0]++] = node, w.force[node] = 1.0;
     };
     for (I64 k = 0; k < m.springs; k++) list(m.spring_begin[k]), list(m.spring_end[k]);
-    visit_others<2>(m, [&]<class E>(const auto&, const I64* nodes) {
+    visit_others<2>(m, s, [&]<class E>(const auto&, const I64* nodes) {
         for (int i = 0; i < E::UNKNOWNS / 2; i++) list(nodes[i]);
     });
     for (I64 i = 0; i < w.kicks[0]; i++) w.force[w.kicked[i]] = 0.0;
 }
 
-static void prepare(const Model& m, Workspace& w) {
+static void prepare(const Model& m, const State& s, Workspace& w) {
     for (I64 i = 0; i < m.axes * m.stride; i++) w.force[i] = 0.0;
     for (I64 i = 0; i < SCRATCH_SIZE; i++) w.scratch[i] = 0.0;
-    find_odd_nodes(m, w);
-    find_pulled_runs(m, w);
-    find_kicked_nodes(m, w);
+    find_odd_nodes(m, s, w);
+    find_pulled_runs(m, s, w);
+    find_kicked_nodes(m, s, w);
 }
 
 Finding bind(const Blocks& blocks, const I64* bytes) {
@@ -214,11 +235,12 @@ Finding bind(const Blocks& blocks, const I64* bytes) {
     const State s(blocks.state);
     Workspace w(blocks.work);
     for (I64 i = 0; i < m.nodes; i++) w.force[i] = 0.0;
-    if (const Finding found = check_runs(m); found.fault != Fault::NONE) return found;
+    if (const Finding found = check_runs(m, s); found.fault != Fault::NONE) return found;
     if (const Finding found = check_taut_runs(m, s); found.fault != Fault::NONE) return found;
     if (const Finding found = check_springs(m); found.fault != Fault::NONE) return found;
+    if (const Finding found = check_bands(m); found.fault != Fault::NONE) return found;
     if (const Finding found = check_joints(m, s, w); found.fault != Fault::NONE) return found;
-    prepare(m, w);
+    prepare(m, s, w);
     blocks.work.header().is_bound = 1;
     return {Fault::NONE, 0, 0};
 }

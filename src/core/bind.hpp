@@ -13,6 +13,7 @@ enum class Fault : I64 {
     RUN,       // a run has no link, leaves the nodes, or begins before the one before it has ended
     JOINT,     // a copy is its own original, inside a run, a copy twice, or has mass, weight or another position
     SPRING,    // both nodes are the same
+    BAND,      // a band has no spring, leaves the nodes, its sides overlap, or the band before it begins behind it
     UNDAMPED,  // a damper in a model without predicted velocities
     TAUT,      // a node inside a taut run moves along another than the last axis
 };

@@ -16,6 +16,12 @@ struct Dual {
     Dual(double at, int i) : value(at), slope{} { slope[i] = 1.0; }
 };
 
+inline double value_of(double x) { return x; }
+template <int N>
+inline double value_of(const Dual<N>& x) {
+    return x.value;
+}
+
 // value + a x' + b y'
 template <int N>
 inline Dual<N> combined(double value, double a, const Dual<N>& x, double b, const Dual<N>& y) {

@@ -91,6 +91,12 @@ inline Links links_of(const Model& m, I64 r) {
             0};
 }
 
+// Of the springs of a band.
+inline Axial<double> springs_of(const Model& m, I64 band) {
+    const double stiffness = m.band_stiffness[band];
+    return {stiffness, stiffness * m.band_length[band], m.band_damping[band], floor_of(m.band_tension_only[band])};
+}
+
 // A straight link, or a spring: unknowns are the positions of its two nodes.
 template <int AXES>
 struct Straight {

@@ -4,6 +4,7 @@
 // call takes makes no difference to any bit.
 #pragma once
 
+#include "band.hpp"
 #include "elements.hpp"
 #include "stencil.hpp"
 #include "sweep.hpp"
@@ -36,12 +37,15 @@ struct Motion {
         press_contacts();
         sum_work(kick);
         kick_few(kick);
+        I64 band = 0;
         for (I64 run = 0; run < m.runs; run++) {
+            pull_bands(band, s.run_first[run] + s.run_links[run]);
             if (VISCOUS && w.run_damped[run])
                 move_run<VISCOUS>(step, run);
             else
                 move_run<false>(step, run);
         }
+        pull_bands(band, m.nodes);
         join(w.force, true);
         move_others(step);
         join(s.position, false);
@@ -68,11 +72,11 @@ struct Motion {
     void kick_few(double kick) {
         for (I64 i = 0; i < w.kicks[0]; i++) kick_node(kick, w.kicked[i]);
         for (I64 k = 0; k < m.contacts; k++) {
-            const I64 run = m.contact_run[k], first = m.run_first[run];
+            const I64 run = m.contact_run[k], first = s.run_first[run];
             if (w.run_pulled[run]) continue;
             for (I64 j = 0; j < w.contact_shared[k]; j++) {
                 const I64 node = w.contact_first[k] + j;
-                if (node > first && node < first + m.run_links[run]) kick_node(kick, node);
+                if (node > first && node < first + s.run_links[run]) kick_node(kick, node);
             }
         }
     }
@@ -81,6 +85,12 @@ struct Motion {
             s.velocity[at] += (kick * m.mobility[at]) * w.force[at];
             w.force[at] = 0.0;
         }
+    }
+
+    // Bands from this one on that begin at a node or before it.
+    void pull_bands(I64& band, I64 node) {
+        for (; band < m.bands && (m.band_begin[band] <= node || m.band_end[band] <= node); band++)
+            pull_band<AXES, VISCOUS>(m, s, w, band);
     }
 
     void pull_springs() {
@@ -114,7 +124,7 @@ struct Motion {
 
     // Forces of elements without a loop of their own.
     void add_others() {
-        visit_others<AXES>(m, [&]<class E>(const auto& p, const I64* nodes) {
+        visit_others<AXES>(m, s, [&]<class E>(const auto& p, const I64* nodes) {
             double x[E::UNKNOWNS], v[E::UNKNOWNS]{}, f[E::UNKNOWNS]{};
             gather<E, AXES>(s.position, m.stride, nodes, x);
             if constexpr (VISCOUS) gather<E, AXES>(s.predicted, m.stride, nodes, v);
@@ -167,8 +177,8 @@ struct Motion {
     void move_others(const Step& step) {
         I64 begin = 0;
         for (I64 run = 0; run < m.runs; run++) {
-            move_nodes(step, begin, m.run_first[run] + 1);
-            begin = m.run_first[run] + m.run_links[run];
+            move_nodes(step, begin, s.run_first[run] + 1);
+            begin = s.run_first[run] + s.run_links[run];
         }
         move_nodes(step, begin, m.nodes);
     }

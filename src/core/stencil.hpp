@@ -68,13 +68,13 @@ struct Share {
 };
 
 inline Share share_of(const Model& m, const State& s, I64 contact) {
-    const I64 run = m.contact_run[contact], links = m.run_links[run];
+    const I64 run = m.contact_run[contact], links = s.run_links[run];
     const double x = s.contact_place[contact] / m.link_length[run];
     Share share{};
     if (!(x >= 0.0 && x <= static_cast<double>(links))) return share;
     const Cell cell = locate(links, x);
     weigh(cell, x, share.weight);
-    share.first = m.run_first[run] + cell.first;
+    share.first = s.run_first[run] + cell.first;
     share.count = links + 1 - cell.first < SHARED ? links + 1 - cell.first : SHARED;
     return share;
 }

@@ -98,8 +98,8 @@ struct Sweep {
     Uniform<AXES> inertia;  // of the others
 
     Sweep(const Model& model, const State& state, Workspace& work, const Step& step_, I64 run)
-        : m(model), s(state), w(work), step(step_), p(links_of(model, run)), inertia(model, model.run_first[run] + 1) {
-        first = m.run_first[run], links = m.run_links[run];
+        : m(model), s(state), w(work), step(step_), p(links_of(model, run)), inertia(model, state.run_first[run] + 1) {
+        first = s.run_first[run], links = s.run_links[run];
         is_pulled = w.run_pulled[run];
         odd = odd_of(w, run), odd_end = odd + w.run_odd[run];
     }

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from core_structures import STRUCTURES, bridge, rope, taut_lines
+from core_structures import STRUCTURES, bridge, net, rope, taut_lines
 from ropewalk.engine.bound import Bound
 from ropewalk.engine.library import variants
 
@@ -28,6 +28,10 @@ HASHES = {
     "damped plain bending": "f36644855117aa18",
     "taut lines": "9aba4b8b5b199341",
     "damped droppers in space": "6de59e50f2ddb6cd",
+    "free play": "9ef0f2671b05bbc9",
+    "damped free play in space": "b9dd88ce5d7202a4",
+    "net under a force": "97e07dddbf323754",
+    "damped free net": "7ce1a9a96f34b1c1",
 }
 """Of positions and velocities: of every processor, compiler and variant. New structures add a line."""
 
@@ -41,7 +45,7 @@ def test_states_are_the_same_on_every_platform_and_in_every_variant(kind: str) -
         assert found.hexdigest()[:16] == HASHES[kind], variant
 
 
-@pytest.mark.parametrize("make", [rope, bridge, taut_lines])
+@pytest.mark.parametrize("make", [rope, bridge, net, taut_lines])
 def test_division_into_calls_changes_no_bit(make: Callable[[], Bound]) -> None:
     whole, parts = make(), make()
     whole.advance(1000, STEP)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from core_structures import bridge, rope, taut_lines
+from core_structures import STRUCTURES, bridge, net, rope, taut_lines
 from ropewalk.engine.bound import Bound
 from ropewalk.engine.library import library
 from ropewalk.engine.model import Block, dimensions, fields
@@ -65,11 +65,27 @@ def test_nodes_inside_taut_runs_move_along_the_last_axis_only() -> None:
             Bound(model, state)
 
 
+@pytest.mark.parametrize(("name", "entry", "value", "message"), [
+    ("band_springs", 1, 0, "band_springs[1] is 0; a band has at least one spring, its sides end at node 29"),
+    ("band_springs", 3, 6, "band_springs[3] is 6; a band"), ("band_end", 2, 13, "band_springs[2] is 4; a band"),
+    ("band_springs", 1, 7, "band_springs[1] is 7; a band"), ("band_begin", 3, 5, "band_begin[3] is 5; a band"),
+    ("band_end", 3, 30, "band_end[3] is node 30; nodes are 0 to 29"),
+    ("band_damping", 1, 2.0, "band_damping[1] is 2.0; a structure with dampers needs VISCOUS = NODES"),
+])  # fmt: skip
+def test_spoilt_band_is_refused_by_name(name: str, entry: int, value: float, message: str) -> None:
+    sound = net()
+    model = sound.model.copy()
+    getattr(model, name)[entry] = value
+    with pytest.raises(RopewalkError, match=re.escape(message)):
+        Bound(model, sound.state)
+
+
 def test_every_field_is_checked_for_numbers() -> None:
-    sound = bridge(damping=1.0, force=-5.0)
+    kinds = [make() for make in STRUCTURES.values()]
     for field in fields():
         if field.part == "WORK":
             continue
+        sound = next(each for each in kinds if all(each.model.sizes[name] for name in (field.rows, field.columns)))
         model, state = sound.model.copy(), sound.state.copy()
         view = getattr(model if field.part == "MODEL" else state, field.name)
         view.flat[view.size - 1] = np.nan if field.kind == "double" else -1
@@ -81,8 +97,8 @@ def test_wrong_shape_and_kind_of_numbers_are_refused() -> None:
     model = bridge().model.copy()
     with pytest.raises(RopewalkError, match=r"mobility: shape \(51,\); the structure has \(2, 51\)"):
         model.set(mobility=np.ones(51))
-    with pytest.raises(RopewalkError, match="run_first: numbers of the type float64; it holds int64"):
-        model.set(run_first=np.ones(3))
+    with pytest.raises(RopewalkError, match="joint_copy: numbers of the type float64; it holds int64"):
+        model.set(joint_copy=np.ones(1))
 
 
 @pytest.mark.parametrize("sizes", [{"AXES": 2}, {"AXES": 4, "NODES": 3}, {"AXES": 2, "NODES": 3, "VISCOUS": 2},
@@ -116,9 +132,12 @@ def test_nothing_is_computed_with_blocks_that_are_not_bound() -> None:
     assert library().rw_entries(bound._bases) == -1
 
 
-def test_a_bound_model_cannot_be_changed() -> None:
-    with pytest.raises(ValueError, match="read-only"):
-        rope().model.run_first[0] = 99
+def test_neither_a_bound_model_nor_indices_of_a_state_can_be_changed() -> None:
+    bound = rope()
+    bound.state.position[0, 1] = 2.0
+    for array in (bound.model.mobility, bound.state.run_first):
+        with pytest.raises(ValueError, match="read-only"):
+            array[:] = 99
 
 
 def test_rows_are_aligned_and_the_table_is_complete() -> None:

@@ -11,7 +11,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from core_structures import bridge, rope, tripod
+from core_structures import bridge, net, rope, tripod
 from ropewalk.engine.bound import Bound
 from ropewalk.engine.builder import Builder, RunProperties, SpringProperties
 
@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 
 SMOOTH: list[Callable[[], Bound]] = [
     rope, lambda: bridge(ties=False), lambda: tripod(ties=False), lambda: rope(axes=3),
+    lambda: net(pull=200.0),
     lambda: bridge(3, 30.0, ties=False), lambda: tripod(3, 5.0, ties=False),
 ]  # fmt: skip
 """Structures without kinks of forces; the last two are damped."""
@@ -159,7 +160,7 @@ def test_velocities_are_at_the_instant_of_the_positions() -> None:
     assert abs(order - 2.0) < 0.05
 
 
-@pytest.mark.parametrize("make", SMOOTH[:4])
+@pytest.mark.parametrize("make", SMOOTH[:5])
 def test_energy_is_kept_to_the_second_order_without_drift(make: Callable[[], Bound]) -> None:
     largest = []
     for factor in (1, 2):

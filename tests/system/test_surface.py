@@ -189,7 +189,7 @@ def test_corners_are_on_the_surface_and_points_beyond_are_not() -> None:
         found, coordinates = locate(surface, surface.plan[vertex])
         assert surface.triangle[found, int(coordinates.argmax())] == vertex
         assert coordinates.max() == pytest.approx(1.0, abs=1e-12)
-    for point in ([1.5, 1.5], [-1e-6, 1.0], [3.0, 0.5]):  # in the notch, just off, far off
+    for point in ([1.5, 1.5], [-1e-6, 1.0], [3.0, 0.5], [3.5, 1e18]):  # in the notch, just off, far off
         found, coordinates = locate(surface, point)
         assert found == -1
         assert np.all(np.isnan(coordinates))

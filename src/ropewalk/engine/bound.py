@@ -46,7 +46,7 @@ class Bound:
     """Model and State that the core has checked, with a Workspace of their own."""
 
     def __init__(self, model: Block, state: Block) -> None:
-        """Check every number and index once. The arrays of the Model cannot be changed from now on.
+        """Check every number and index once. From now on the Model and indices of the State cannot be changed.
 
         Raises:
             RopewalkError: naming the array and the entry that is wrong.
@@ -61,6 +61,7 @@ class Bound:
             raise RopewalkError(_message(model, state, *finding))
         for block in (model, self.work):
             block.freeze()
+        state.freeze(indices=True)
         self._speed = 0.0  # steps per second
 
     def advance(self, steps: int, dt: float, variant: str | None = None) -> Advance:
@@ -161,8 +162,10 @@ _FAULTS = {
     6: "is {value}; a copy is no inner node of a run and no original, is named once, has no mobility, no weight, "
     "and the position and velocity of its original",
     7: "is node {value}, which is the first node of the spring, too",
-    8: "is {value}; a structure with dampers needs VISCOUS = NODES",
-    9: "is {value}; nodes inside a taut run move along the last axis only, hold them along the others",
+    8: "is {value}; a band has at least one spring, its sides end at node {last} at most and have no node in common, "
+    "and bands are in the order of their lowest nodes",
+    9: "is {value}; a structure with dampers needs VISCOUS = NODES",
+    10: "is {value}; nodes inside a taut run move along the last axis only, hold them along the others",
 }
 _ADMITTED = {
     "FINITE": "finite numbers", "NOT_NEGATIVE": "finite numbers that are not negative", "POSITIVE": "positive numbers",

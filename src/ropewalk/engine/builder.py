@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
 from typing import Any
@@ -40,6 +41,15 @@ class SpringProperties:
     tension_only: bool = False
 
 
+@dataclass(frozen=True)
+class FreePlayProperties:
+    """Properties of a spring with free play: without force at lengths from `shortest` to `shortest + width`."""
+
+    stiffness: float
+    shortest: float
+    width: float
+
+
 @dataclass
 class Builder:
     """Collects the parts of a structure in space or in a vertical plane; the last axis is upwards."""
@@ -51,7 +61,7 @@ class Builder:
     _added: list[tuple[int, float]] = field(default_factory=list)
     _fixed: dict[int, Array] = field(default_factory=dict)
     _runs: list[tuple[int, int, RunProperties]] = field(default_factory=list)
-    _springs: list[tuple[int, int, SpringProperties]] = field(default_factory=list)
+    _elements: dict[str, list[dict[str, Any]]] = field(default_factory=lambda: defaultdict(list))
     _forces: list[tuple[int, Array, float, float]] = field(default_factory=list)
     _joints: list[tuple[int, int]] = field(default_factory=list)
 
@@ -90,7 +100,24 @@ class Builder:
 
     def add_spring(self, begin: int, end: int, spring: SpringProperties) -> None:
         """Add a spring between two nodes."""
-        self._springs.append((begin, end, spring))
+        self._elements["spring"].append({"begin": begin, "end": end} | asdict(spring))
+
+    def add_free_play(self, begin: int, end: int, play: FreePlayProperties) -> None:
+        """Add a spring with free play between two nodes."""
+        self._elements["play"].append({"begin": begin, "end": end} | asdict(play))
+
+    def add_band(self, begin: int, end: int, springs: int, spring: SpringProperties) -> None:
+        """Add equal springs from node `begin + k` to node `end + k`, such as the links between two threads of a net.
+
+        Args:
+            begin: first node on one side.
+            end: first node on the other side.
+            springs: number of springs; the two sides have no node in common.
+            spring: properties of each.
+        """
+        bands = self._elements["band"]
+        bands.append({"begin": begin, "end": end, "springs": springs} | asdict(spring))
+        bands.sort(key=lambda band: min(band["begin"], band["end"]))  # the order of the runs that they reach first
 
     def fix(self, *nodes: int, axes: Iterable[int] | None = None) -> None:
         """Prescribe velocities of nodes along some axes; None: all."""
@@ -120,9 +147,11 @@ class Builder:
             RopewalkError: a node that is not fixed has no mass.
         """
         points, masses = np.concatenate(self._points, axis=1), np.concatenate(self._masses)
-        damped = any(each.axial_damping for *_, each in self._runs) or any(s.damping for *_, s in self._springs)
+        damped = any(each.axial_damping for *_, each in self._runs)
+        damped |= any(each.get("damping", 0.0) > 0.0 for rows in self._elements.values() for each in rows)
         sizes = {"AXES": self.axes, "NODES": masses.size, "VISCOUS": masses.size * damped, "RUNS": len(self._runs),
-                 "SPRINGS": len(self._springs), "JOINTS": len(self._joints), "CONTACTS": len(self._forces)}  # fmt: skip
+                 "JOINTS": len(self._joints), "CONTACTS": len(self._forces)}  # fmt: skip
+        sizes |= {f"{kind.upper()}S": len(rows) for kind, rows in self._elements.items()}
         model, state = Block("MODEL", sizes), Block("STATE", sizes)
         copies, originals = np.array(self._joints, dtype=np.int64).reshape(-1, 2).T
         for node, mass in self._added:
@@ -142,22 +171,11 @@ class Builder:
         for k, (run, force, place, speed) in enumerate(self._forces):
             model.contact_run[k], model.contact_force[:, k] = run, force
             state.contact_place[k], state.contact_speed[k] = place, speed
-        for rows in (self._run_rows(), self._spring_rows()):
-            for name in rows[0] if rows else ():
-                model.set(**{name: [row[name] for row in rows]})
-        return model, state
-
-    def _run_rows(self) -> list[dict[str, Any]]:
+        runs = [{"run_first": first, "run_links": links} | asdict(run) for first, links, run in self._runs]
         names = {each.name for each in fields()}
-        return [
-            {"run_first": first, "run_links": links}
-            | {name if name in names else f"run_{name}": value for name, value in asdict(run).items()}
-            for first, links, run in self._runs
-        ]
-
-    def _spring_rows(self) -> list[dict[str, Any]]:
-        return [
-            {"spring_begin": begin, "spring_end": end}
-            | {f"spring_{name}": value for name, value in asdict(spring).items()}
-            for begin, end, spring in self._springs
-        ]
+        for name in runs[0] if runs else ():
+            block = state if name in state.names() else model
+            block.set(**{name if name in names else f"run_{name}": [row[name] for row in runs]})
+        for kind, rows in self._elements.items():
+            model.set(**{f"{kind}_{name}": [row[name] for row in rows] for name in rows[0]})
+        return model, state

@@ -7,7 +7,7 @@ pointers: a copy of the block of a State is a checkpoint.
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import Any, Literal, NamedTuple
 
@@ -101,6 +101,10 @@ class Block:
         except KeyError:
             raise AttributeError(f"{self.__dict__.get('part', 'a block')} has no array {name}") from None
 
+    def names(self) -> Iterable[str]:
+        """Return the names of its arrays."""
+        return self._arrays
+
     def set(self, **arrays: ArrayLike) -> None:
         """Set whole arrays by their names.
 
@@ -115,10 +119,10 @@ class Block:
                 raise RopewalkError(f"{name}: numbers of the type {given.dtype}; it holds {view.dtype}")
             view[...] = given
 
-    def freeze(self) -> None:
-        """Make all arrays read-only."""
+    def freeze(self, indices: bool = False) -> None:
+        """Make all arrays read-only, or those of indices."""
         for view in (*self._arrays.values(), self.memory):
-            view.flags.writeable = False
+            view.flags.writeable &= indices and view.dtype != np.int64
 
     def copy(self) -> Block:
         """Return a copy: of a State, a checkpoint."""

@@ -142,7 +142,8 @@ def locate(surface: Surface, point: ArrayLike) -> tuple[int, Array]:
     away = surface.plan[surface.triangle] - p
     one, two = np.roll(away, -1, axis=1), np.roll(away, -2, axis=1)
     share = _cross(one, two)
-    share /= share.sum(axis=1, keepdims=True)
+    with np.errstate(divide="ignore", invalid="ignore"):  # so far away that rounding leaves no area: in no triangle
+        share /= share.sum(axis=1, keepdims=True)
     lowest = share.min(axis=1)
     inside = np.flatnonzero(lowest >= -_ON_EDGE)
     return (int(inside[0]), share[inside[0]]) if inside.size else (-1, np.full(3, np.nan))
