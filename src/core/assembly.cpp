@@ -1,5 +1,6 @@
 #include "assembly.hpp"
 
+#include "collector.hpp"
 #include "elements.hpp"
 #include "link.hpp"
 #include "stencil.hpp"
@@ -39,12 +40,22 @@ static void visit_elements(const Model& m, const State& s, Visit visit) {
         }
     }
     visit_others<AXES>(m, s, visit);
+    visit_collectors<AXES>(m, s, [&](const Collector<AXES>& p, const I64* nodes, I64) {
+        visit.template operator()<Collector<AXES>>(p, nodes);
+    });
 }
 
 // Weights of nodes, and the forces of loads where their contacts are.
 static void set_loads(const Model& m, const State& s, double* forces) {
     for (I64 axis = 0; axis < m.axes; axis++)
         for (I64 i = 0; i < m.nodes; i++) forces[axis * m.nodes + i] = m.weight[axis * m.stride + i];
+    for (I64 axis = 0; axis < m.axes; axis++) {
+        for (I64 k = 0; k < m.springs; k++) {
+            const double steady = m.spring_steady[axis * stride_of(m.springs) + k];
+            forces[axis * m.nodes + m.spring_begin[k]] -= steady;
+            forces[axis * m.nodes + m.spring_end[k]] += steady;
+        }
+    }
     for (I64 k = 0; k < m.contacts; k++) {
         const Share share = share_of(m, s, k);
         for (I64 axis = 0; axis < m.axes; axis++) {
@@ -83,6 +94,11 @@ struct Assembly {
         for (I64 axis = 0; axis < AXES; axis++)
             for (I64 i = axis * m.stride; i < axis * m.stride + m.nodes; i++)
                 energies[1] -= m.weight[i] * s.position[i];
+        for (I64 axis = 0; axis < AXES; axis++)
+            for (I64 k = 0; k < m.springs; k++)
+                energies[1] +=
+                    m.spring_steady[axis * stride_of(m.springs) + k] *
+                    (s.position[axis * m.stride + m.spring_begin[k]] - s.position[axis * m.stride + m.spring_end[k]]);
     }
 
     I64 entries() const {

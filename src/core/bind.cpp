@@ -219,6 +219,7 @@ static void prepare(const Model& m, const State& s, Workspace& w) {
     find_odd_nodes(m, s, w);
     find_pulled_runs(m, s, w);
     find_kicked_nodes(m, s, w);
+    for (I64 k = 0; k < m.collectors; k++) w.collector_first[k] = m.collector_body[k];
 }
 
 Finding bind(const Blocks& blocks, const I64* bytes) {

@@ -9,7 +9,8 @@
 // which makes waves of tension and of bending exact to the fourth order of the mesh. A Kelvin-Voigt damper acts along
 // the chord. At the end of a run, which is hinged, the second difference is zero.
 //
-// Links with plain bending are as long as their chords, and a node resists its second difference D with EI D/h^3. Taut
+// Links with plain bending are as long as their chords, and a node resists the part of its second difference D that is
+// across the first axis, along which they run, with EI D/h^3. Taut
 // links pull with the same tension whatever their length, and act along the last axis only.
 #pragma once
 
@@ -35,16 +36,12 @@ struct Pull {
 };
 
 // Squares of lengths over their unstrained values that differ less from 1 have a series instead of a root.
-constexpr double SMALL = 1.0 / 128.0;
+constexpr double SMALL = 1.0 / 256.0;
 
-// 1 - 1/root(1 + x) for |x| < SMALL, to rounding.
+// 1 - 1/root(1 + x) for |x| < SMALL: to 4e-13 of itself, as the difference from 1 has it at such strains.
 template <class S>
 inline S stretch(const S& x) {
-    constexpr double C[] = {6435.0 / 32768.0, 429.0 / 2048.0, 231.0 / 1024.0, 63.0 / 256.0,
-                            35.0 / 128.0,     5.0 / 16.0,     3.0 / 8.0,      0.5};
-    S sum = C[1] - x * C[0];
-    for (int i = 2; i < 8; i++) sum = C[i] - x * sum;
-    return x * sum;
+    return x * (0.5 - x * (3.0 / 8.0 - x * (5.0 / 16.0 - x * (35.0 / 128.0 - x * (63.0 / 256.0)))));
 }
 
 // square: of the length, along: product of the chord and its rate. SURE: all strains are small.
@@ -232,10 +229,12 @@ struct Curved {
     }
 };
 
-// A link whose nodes resist bending alone, or a taut one, which acts along the last axis: unknowns as above.
+// A link whose nodes resist bending alone, or a taut one: unknowns as above.
 template <int AXES, bool TAUT>
 struct Plain {
-    static constexpr int UNKNOWNS = 4 * AXES, FIRST = TAUT ? AXES - 1 : 0;  // axis
+    static constexpr int UNKNOWNS = 4 * AXES;
+
+    static constexpr bool bends(int axis) { return axis > 0 && (!TAUT || axis == AXES - 1); }
 
     template <class S>
     static void force(const Links& p, const Context&, const S* x, const S* v, S* f) {
@@ -247,9 +246,10 @@ struct Plain {
         }
         if constexpr (!TAUT) Straight<AXES>::template resist<true>(p.axial, c, rate, first);
         for (int i = 0; i < AXES; i++) {
-            if (TAUT) first[i] = i < FIRST ? S(0.0) : p.tension * c[i];
-            a[i] = (i < FIRST ? 0.0 : 0.5 * plain_moment(p)) * a[i];  // each node shares its moment with the next link
-            b[i] = (i < FIRST ? 0.0 : 0.5 * plain_moment(p)) * b[i];
+            if (TAUT) first[i] = i < AXES - 1 ? S(0.0) : p.tension * c[i];
+            // each node shares its moment with the next link
+            a[i] = (bends(i) ? 0.5 * plain_moment(p) : 0.0) * a[i];
+            b[i] = (bends(i) ? 0.5 * plain_moment(p) : 0.0) * b[i];
         }
         Curved<AXES>::distribute(p, first, a, b, f);
     }
@@ -258,10 +258,10 @@ struct Plain {
     static S energy(const Links& p, const Context&, const S* x) {
         S a[AXES], b[AXES], square = 0.0, squares = 0.0;
         Curved<AXES>::bend(p, x, a, b);
-        for (int i = FIRST; i < AXES; i++) {
+        for (int i = TAUT ? AXES - 1 : 0; i < AXES; i++) {
             const S c = x[2 * AXES + i] - x[AXES + i];
             square = square + c * c;
-            squares = squares + (a[i] * a[i] + b[i] * b[i]);
+            if (bends(i)) squares = squares + (a[i] * a[i] + b[i] * b[i]);
         }
         const S bent = (0.25 * plain_moment(p)) * squares;
         if constexpr (TAUT) return 0.5 * p.tension * square + bent;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "band.hpp"
+#include "collector.hpp"
 #include "elements.hpp"
 #include "stencil.hpp"
 #include "sweep.hpp"
@@ -19,24 +20,45 @@ struct Motion {
     const Model& m;
     const State& s;
     Workspace& w;
+    I64 now = 0;  // number of the step of this call
 
     I64 advance(I64 steps, double dt, const volatile I32* stop, I64* done) {
         for (*done = 0; *done < steps; ++*done) {
             if (*stop) return STOPPED;
+            record(*done);
             take_step(dt);
         }
         return is_finite() ? DONE : DIVERGED;
     }
 
   private:
+    // Springs and loads kick once; runs and joints follow by the inner steps of the Model, if it has any.
     void take_step(double dt) {
-        const double kick = s.lag[0] + 0.5 * dt;
-        const Step step{kick, dt, 0.5 * dt / kick};
+        const I64 inner = m.inner_steps[0] > 1 ? m.inner_steps[0] : 1;
+        const double part = inner > 1 ? dt / static_cast<double>(inner) : dt;
+        double kick = s.lag[0] + 0.5 * part;
+        const double slow_kick = inner > 1 ? s.slow_lag[0] + 0.5 * dt : kick;
         pull_springs();
         add_others();
         press_contacts();
-        sum_work(kick);
-        kick_few(kick);
+        press_collectors();
+        sum_work(slow_kick);
+        if (VISCOUS && inner > 1)
+            for (I64 i = 0; i < AXES * m.stride; i++) w.slow[i] = w.force[i];
+        kick_few(slow_kick);
+        if (inner > 1)
+            for (I64 i = 0; i < AXES * m.stride; i++) w.force[i] *= slow_kick / kick;
+        for (I64 i = 0; i < inner; i++, kick = part) move_all({kick, part, 0.5 * part / kick});
+        if (VISCOUS && inner > 1)
+            for (I64 i = 0; i < AXES * m.stride; i++) s.predicted[i] += (0.5 * dt * m.mobility[i]) * w.slow[i];
+        sum_work(slow_kick);
+        for (I64 k = 0; k < m.contacts; k++) s.contact_place[k] += dt * s.contact_speed[k];
+        s.time[0] += dt;
+        s.lag[0] = 0.5 * part, s.slow_lag[0] = 0.5 * dt;
+    }
+
+    // Kick and drift all nodes, by the forces so far and those of runs.
+    void move_all(const Step& step) {
         I64 band = 0;
         for (I64 run = 0; run < m.runs; run++) {
             pull_bands(band, s.run_first[run] + s.run_links[run]);
@@ -51,10 +73,28 @@ struct Motion {
         join(s.position, false);
         join(s.velocity, false);
         if constexpr (VISCOUS) join(s.predicted, false);
-        sum_work(kick);
-        for (I64 k = 0; k < m.contacts; k++) s.contact_place[k] += dt * s.contact_speed[k];
-        s.time[0] += dt;
-        s.lag[0] = 0.5 * dt;
+    }
+
+    // What is at the begin of step i of a call, but for the forces of bodies, which are known in the step.
+    void record(I64 i) {
+        now = i;
+        if (i >= m.counts[SAMPLES]) return;
+        for (I64 k = 0; k < m.counts[WATCHED]; k++)
+            w.recorded_height[k * stride_of(m.counts[SAMPLES]) + i] = s.position[(AXES - 1) * m.stride + m.watched[k]];
+        for (I64 k = 0; k < m.collectors; k++) w.recorded_force[k * stride_of(m.counts[SAMPLES]) + i] = 0.0;
+    }
+
+    void press_collectors() {
+        for (I64 k = 0; k < m.collectors; k++) w.collector_first[k] = m.collector_body[k];
+        visit_collectors<AXES>(m, s, [&](const Collector<AXES>& p, const I64* nodes, I64 k) {
+            double x[Collector<AXES>::UNKNOWNS], f[Collector<AXES>::UNKNOWNS]{};
+            gather<Collector<AXES>, AXES>(s.position, m.stride, nodes, x);
+            Collector<AXES>::force(p, Context{s.time[0], 0.0}, x, x, f);
+            scatter<Collector<AXES>, AXES>(f, m.stride, nodes, w.force);
+            w.collector_first[k] = nodes[0];
+            const double push = -f[Collector<AXES>::UNKNOWNS - 1];
+            if (now < m.counts[SAMPLES]) w.recorded_force[k * stride_of(m.counts[SAMPLES]) + now] = push;
+        });
     }
 
     template <bool DAMPED>
@@ -71,14 +111,14 @@ struct Motion {
     // as if nothing acted on it.
     void kick_few(double kick) {
         for (I64 i = 0; i < w.kicks[0]; i++) kick_node(kick, w.kicked[i]);
-        for (I64 k = 0; k < m.contacts; k++) {
-            const I64 run = m.contact_run[k], first = s.run_first[run];
-            if (w.run_pulled[run]) continue;
-            for (I64 j = 0; j < w.contact_shared[k]; j++) {
-                const I64 node = w.contact_first[k] + j;
-                if (node > first && node < first + s.run_links[run]) kick_node(kick, node);
-            }
-        }
+        for (I64 k = 0; k < m.contacts; k++)
+            kick_shared(kick, m.contact_run[k], w.contact_first[k], w.contact_shared[k]);
+        for (I64 k = 0; k < m.collectors; k++) kick_shared(kick, m.collector_run[k], w.collector_first[k], SHARED);
+    }
+    void kick_shared(double kick, I64 run, I64 node, I64 count) {
+        const I64 first = s.run_first[run], last = first + s.run_links[run];
+        for (I64 end = node + count; !w.run_pulled[run] && node < end; node++)
+            if (node > first && node < last) kick_node(kick, node);
     }
     void kick_node(double kick, I64 node) {
         for (I64 at = node; at < AXES * m.stride; at += m.stride) {
@@ -107,6 +147,7 @@ struct Motion {
             for (I64 j = 0; j < count; j++) p.floor[j] = floor_of(m.spring_tension_only[k + j]);
             Straight<AXES>::template resist<VISCOUS>(p, c, rate, pull);
             for (int axis = 0; axis < AXES; axis++) {
+                pull[axis] -= load<Vector>(m.spring_steady.at(axis * stride_of(m.springs) + k, WIDTH));
                 for (I64 j = 0; j < count; j++) {
                     w.force[axis * m.stride + m.spring_begin[k + j]] += pull[axis][j];
                     w.force[axis * m.stride + m.spring_end[k + j]] -= pull[axis][j];

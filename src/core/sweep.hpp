@@ -95,10 +95,10 @@ struct Sweep {
     bool is_pulled;
     const I64* odd;  // the next of its nodes with a mobility or weight of their own
     const I64* odd_end;
-    Uniform<AXES> inertia;  // of the others
+    Uniform<AXES> others;  // of the others
 
     Sweep(const Model& model, const State& state, Workspace& work, const Step& step_, I64 run)
-        : m(model), s(state), w(work), step(step_), p(links_of(model, run)), inertia(model, state.run_first[run] + 1) {
+        : m(model), s(state), w(work), step(step_), p(links_of(model, run)), others(model, state.run_first[run] + 1) {
         first = s.run_first[run], links = s.run_links[run];
         is_pulled = w.run_pulled[run];
         odd = odd_of(w, run), odd_end = odd + w.run_odd[run];
@@ -166,25 +166,27 @@ struct Sweep {
     }
     // Plain moments at nodes 1 ... n of a block, after which so many links follow its first node.
     void find_moments(I64 a, I64 n, I64 rest) {
-        for (int axis = 0; axis < AXES; axis++)
-            for (I64 k = 1; k <= n; k += WIDTH) store(row(MOMENT, axis) + k, plain_moment(p) * bend_at(axis, a, k));
+        const double stiffness = plain_moment(p);
+        for (int axis = 1; axis < AXES; axis++)
+            for (I64 k = 1; k <= n; k += WIDTH) store(row(MOMENT, axis) + k, stiffness * bend_at(axis, a, k));
         if (rest == n) clear(MOMENT, n);
     }
 
     // Forces and moments of so many links behind node a: with the series for small strains if all are small.
     void find_forces(I64 a, I64 count) {
+        const Links links = p;  // in registers
         Vector largest{};
         I64 k = 0;
-        for (; k + WIDTH <= count; k += WIDTH) largest = larger(largest, find_forces_at<true>(a, k));
+        for (; k + WIDTH <= count; k += WIDTH) largest = larger(largest, find_forces_at<true>(links, a, k));
         bool are_small = true;
         for (I64 i = 0; i < WIDTH; i++) are_small &= largest[i] < SMALL;
         if (!are_small) k = 0;
-        for (; k < count; k += WIDTH) find_forces_at<false>(a, k);
+        for (; k < count; k += WIDTH) find_forces_at<false>(links, a, k);
     }
     // Of links k, k + 1 ... of the block; returns by how much their squared lengths are off 1.
     template <bool SURE>
-    Vector find_forces_at(I64 a, I64 k) {
-        Vector c[AXES], rate[AXES], near[AXES], far[AXES], pull[AXES], against_near[AXES], against_far[AXES], square;
+    Vector find_forces_at(const Links& p, I64 a, I64 k) {
+        Vector c[AXES], rate[AXES]{}, near[AXES], far[AXES], pull[AXES], against_near[AXES], against_far[AXES], square;
         for (int axis = 0; axis < AXES; axis++) {
             const double* const x = positions(axis, a) + k;
             c[axis] = load<Vector>(x + 1) - load<Vector>(x);
@@ -226,7 +228,7 @@ struct Sweep {
     S force(int axis, I64 k) const {
         const double* const t = row(PULL, axis) + k;
         const S pulled = load<S>(t) - load<S>(t - 1);
-        if constexpr (!CURVED && !PLAIN) return pulled;
+        if (!CURVED && !(PLAIN && axis > 0)) return pulled;
         const double* const moment = row(MOMENT, axis) + k;
         const S here = load<S>(moment);
         return pulled - ((load<S>(moment - 1) - here) + (load<S>(moment + 1) - here));
@@ -238,13 +240,13 @@ struct Sweep {
     void add_to_last_node(I64 n) {
         for (int axis = 0; axis < AXES; axis++) {
             double last = row(PULL, axis)[n - 1];
-            if constexpr (CURVED || PLAIN) last += row(MOMENT, axis)[n - 1];
+            if (CURVED || (PLAIN && axis > 0)) last += row(MOMENT, axis)[n - 1];
             w.force[axis * m.stride + first + links] -= last;
         }
     }
 
     template <class S>
-    void move_node(const auto& inert, I64 a, I64 k) {
+    void move_node(const auto& inert, const Step& by, I64 a, I64 k) {
         S forces[AXES];
         for (int axis = 0; axis < AXES; axis++) {
             forces[axis] = force<S>(axis, k);
@@ -254,15 +256,17 @@ struct Sweep {
                 store(others, S{});
             }
         }
-        move<AXES, VISCOUS>(m, s, step, inert, first + a + k, forces);
+        move<AXES, VISCOUS>(m, s, by, inert, first + a + k, forces);
     }
     void move_nodes(I64 a, I64 k, I64 end) {
+        const Uniform<AXES> inertia = others;  // in registers
+        const Step by = step;
         while (k < end) {
             const bool is_odd = odd != odd_end && *odd < first + a + end;
             const I64 stop = is_odd ? *odd - first - a : end;
-            for (; k + WIDTH <= stop; k += WIDTH) move_node<Vector>(inertia, a, k);
-            for (; k < stop; k++) move_node<double>(inertia, a, k);
-            if (is_odd) odd++, move_node<double>(Various{m}, a, k++);
+            for (; k + WIDTH <= stop; k += WIDTH) move_node<Vector>(inertia, by, a, k);
+            for (; k < stop; k++) move_node<double>(inertia, by, a, k);
+            if (is_odd) odd++, move_node<double>(Various{m}, by, a, k++);
         }
     }
 

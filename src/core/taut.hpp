@@ -17,7 +17,6 @@ class Taut {
     const double tension, bending;
     const I64* odd;  // the next node with a mobility or weight of its own
     const I64* const odd_end;
-    const Uniform<AXES> uniform;  // of the others
 
   public:
     Taut(const Model& model, const State& state, Workspace& work, const Step& step_, I64 run)
@@ -32,8 +31,7 @@ class Taut {
           tension(links_of(model, run).tension),
           bending(plain_moment(links_of(model, run))),
           odd(odd_of(work, run)),
-          odd_end(odd + work.run_odd[run]),
-          uniform(model, first + 1) {}
+          odd_end(odd + work.run_odd[run]) {}
 
     void run() {
         w.force[row + first] += tension * (z(1) - z(0)) - moment(1);
@@ -51,13 +49,17 @@ class Taut {
     double z(I64 i) const { return s.position[row + first + i]; }
     double moment(I64 i) const { return i > 0 && i < links ? bending * ((z(i + 1) - z(i)) - (z(i) - z(i - 1))) : 0.0; }
 
+    // What the force and the kick are made of, in registers.
+    struct Numbers {
+        double beside, here, beyond, gain, weight;
+    };
+
     // Forces on nodes i, i + 1 ...; the one next to an end, where moments are zero, comes alone.
     template <class S>
-    S force(I64 i) const {
+    S force(const Numbers& by, I64 i) const {
         const double* const at = s.position.at(row + first + i, 1);
-        const S here = load<S>(at), beside = load<S>(at - 1) + load<S>(at + 1);
-        const S beyond = load<S>(at - 2) + load<S>(at + 2);
-        return (tension + 4.0 * bending) * beside - ((2.0 * tension + 6.0 * bending) * here + bending * beyond);
+        const S beside = load<S>(at - 1) + load<S>(at + 1), beyond = load<S>(at - 2) + load<S>(at + 2);
+        return by.beside * beside - (by.here * load<S>(at) + by.beyond * beyond);
     }
     double force_near_end(I64 i) const {
         const double here = moment(i), others = (moment(i - 1) - here) + (moment(i + 1) - here);
@@ -65,11 +67,10 @@ class Taut {
     }
 
     template <class S>
-    void kick(const auto& inertia, I64 i, S force) {
+    void kick(const Numbers& by, I64 i, S force) {
         const I64 at = row + first + i, count = sizeof(S) / sizeof(double);
-        const S mobility = inertia.template mobility<S>(AXES - 1, at);
         if (is_pulled) force += others<S>(at, count);
-        const S gain = (step.kick * mobility) * (force + inertia.template weight<S>(AXES - 1, at));
+        const S gain = by.gain * (force + by.weight);
         const S v = load<S>(s.velocity.at(at, count)) + gain;
         store(s.velocity.at(at, count), v);
         if constexpr (VISCOUS) store(s.predicted.at(at, count), v + step.lead * gain);
@@ -81,30 +82,32 @@ class Taut {
         for (int axis = 0; axis < AXES; axis++) store(w.force.at(at - axis * m.stride, count), S{});
         return force;
     }
-    void kick_alone(I64 i, double force) {
-        if (odd != odd_end && *odd == first + i)
-            odd++, kick(Various{m}, i, force);
-        else
-            kick(uniform, i, force);
+    void kick_alone(Numbers by, I64 i, double force) {
+        const I64 at = row + first + i;
+        if (odd != odd_end && *odd == first + i) odd++, by.gain = step.kick * m.mobility[at], by.weight = m.weight[at];
+        kick(by, i, force);
     }
     void kick_nodes(I64 i, I64 end) {
-        if (i == 1) kick_alone(1, force_near_end(1)), i++;
+        const Numbers by{tension + 4.0 * bending, 2.0 * tension + 6.0 * bending, bending,
+                         step.kick * m.mobility[row + first + 1], m.weight[row + first + 1]};
+        if (i == 1) kick_alone(by, 1, force_near_end(1)), i++;
         const I64 inside = end == links && end > 2 ? end - 1 : end;
         while (i < inside) {
             const bool is_odd = odd != odd_end && *odd < first + inside;
             const I64 stop = is_odd ? *odd - first : inside;
-            for (; i + WIDTH <= stop; i += WIDTH) kick(uniform, i, force<Vector>(i));
-            for (; i < stop; i++) kick(uniform, i, force<double>(i));
-            if (is_odd) kick_alone(i, force<double>(i)), i++;
+            for (; i + WIDTH <= stop; i += WIDTH) kick(by, i, force<Vector>(by, i));
+            for (; i < stop; i++) kick(by, i, force<double>(by, i));
+            if (is_odd) kick_alone(by, i, force<double>(by, i)), i++;
         }
-        if (i < end) kick_alone(i, force_near_end(i));
+        if (i < end) kick_alone(by, i, force_near_end(i));
     }
 
     void drift_nodes(I64 i, I64 end) {
+        const double drift = step.drift;
         double* const to = s.position.at(row + first, links + 1);
         const double* const v = s.velocity.at(row + first, links + 1);
-        for (; i + WIDTH <= end; i += WIDTH) store(to + i, load<Vector>(to + i) + step.drift * load<Vector>(v + i));
-        for (; i < end; i++) to[i] += step.drift * v[i];
+        for (; i + WIDTH <= end; i += WIDTH) store(to + i, load<Vector>(to + i) + drift * load<Vector>(v + i));
+        for (; i < end; i++) to[i] += drift * v[i];
     }
 };
 

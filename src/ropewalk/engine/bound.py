@@ -64,6 +64,30 @@ class Bound:
         state.freeze(indices=True)
         self._speed = 0.0  # steps per second
 
+    def record(self, steps: int, dt: float, variant: str | None = None) -> tuple[Array, Array]:
+        """Take steps as `advance` does, and return forces of collectors, N, and heights of watched nodes, m, before each.
+
+        Args:
+            steps: number of steps.
+            dt: step, s.
+            variant: instruction set; None: the best one of this processor.
+
+        Raises:
+            RopewalkError: the motion has ended before, or the structure records nothing.
+        """
+        if not self.model.sizes["SAMPLES"]:
+            raise RopewalkError("this structure records nothing; give its Builder samples")
+        forces, heights, work, taken = list[Array](), list[Array](), self.work, 0
+        while taken < steps:
+            count = min(steps - taken, self.model.sizes["SAMPLES"])
+            done, outcome = self._call(count, dt, variant)
+            if outcome:
+                raise RopewalkError(f"the motion has {get_args(Outcome)[outcome]} after {taken + done} steps")
+            forces.append(work.recorded_force[:, :count].copy())
+            heights.append(work.recorded_height[:, :count].copy())
+            taken += count
+        return np.concatenate(forces, axis=1), np.concatenate(heights, axis=1)
+
     def advance(self, steps: int, dt: float, variant: str | None = None) -> Advance:
         """Take steps of Verlet's method. How they are divided into calls makes no difference to any bit.
 
@@ -72,20 +96,25 @@ class Bound:
             dt: step, s.
             variant: instruction set; None: the best one of this processor.
         """
-        number, done, taken = VARIANTS.index(variant or variants()[-1]), ctypes.c_int64(), 0
+        taken = 0
         while taken < steps:
-            count = min(steps - taken, max(16, int(CALL * self._speed)))
             begin = perf_counter()
-            outcome = library().rw_advance(
-                number, self._bases, count, dt, ctypes.addressof(self.stop), ctypes.addressof(done)
-            )
-            if outcome < 0:
-                raise RopewalkError(f"this processor does not run the variant {variant}; use {', '.join(variants())}")
-            self._speed = done.value / max(perf_counter() - begin, 1e-9)
-            taken += done.value
+            done, outcome = self._call(min(steps - taken, max(16, int(CALL * self._speed))), dt, variant)
+            self._speed = done / max(perf_counter() - begin, 1e-9)
+            taken += done
             if outcome:
                 return Advance(taken, get_args(Outcome)[outcome])
         return Advance(taken, "done")
+
+    def _call(self, steps: int, dt: float, variant: str | None) -> tuple[int, int]:
+        """Call the core; return the steps taken and the number of the outcome."""
+        number, done = VARIANTS.index(variant or variants()[-1]), ctypes.c_int64()
+        outcome = library().rw_advance(
+            number, self._bases, steps, dt, ctypes.addressof(self.stop), ctypes.addressof(done)
+        )
+        if outcome < 0:
+            raise RopewalkError(f"this processor does not run the variant {variant}; use {', '.join(variants())}")
+        return done.value, outcome
 
     def forces(self, velocities: Array | None = None) -> Array:
         """Return the forces (axis, node) at the positions of the State, N, weights included.
@@ -99,6 +128,8 @@ class Bound:
 
     def velocities(self) -> Array:
         """Return the velocities (axis, node) at the instant of the positions, m/s."""
+        if self.model.inner_steps[0] > 1:
+            raise RopewalkError("velocities at the instant of the positions are not known with inner steps")
         lag, v = self.state.lag[0], self.state.velocity
         rates = self.state.predicted if self.model.sizes["VISCOUS"] else v
         gains = self.model.mobility * self._joined(self.forces(rates))

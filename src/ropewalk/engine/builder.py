@@ -52,7 +52,15 @@ class FreePlayProperties:
 
 @dataclass
 class Builder:
-    """Collects the parts of a structure in space or in a vertical plane; the last axis is upwards."""
+    """Collects the parts of a structure in space or in a vertical plane; the last axis is upwards.
+
+    Args:
+        axes: 2 or 3.
+        gravity: m/s^2.
+        watched: nodes whose heights are recorded.
+        samples: steps that a call of the core records.
+        inner_steps: steps of runs in a step of springs and loads.
+    """
 
     axes: int = 2
     gravity: float = 9.81
@@ -62,6 +70,9 @@ class Builder:
     _fixed: dict[int, Array] = field(default_factory=dict)
     _runs: list[tuple[int, int, RunProperties]] = field(default_factory=list)
     _elements: dict[str, list[dict[str, Any]]] = field(default_factory=lambda: defaultdict(list))
+    watched: list[int] = field(default_factory=list)
+    samples: int = 0
+    inner_steps: int = 1
     _forces: list[tuple[int, Array, float, float]] = field(default_factory=list)
     _joints: list[tuple[int, int]] = field(default_factory=list)
 
@@ -119,6 +130,16 @@ class Builder:
         bands.append({"begin": begin, "end": end, "springs": springs} | asdict(spring))
         bands.sort(key=lambda band: min(band["begin"], band["end"]))  # the order of the runs that they reach first
 
+    def add_collector(self, run: int, body: int, stiffness: float) -> None:
+        """Let a node press on a run from below, where it is along the first axis.
+
+        Args:
+            run: number of the run, of straight or taut links, in the order they were added.
+            body: the node.
+            stiffness: of the contact, which does not pull, N/m.
+        """
+        self._elements["collector"].append({"run": run, "body": body, "stiffness": stiffness})
+
     def fix(self, *nodes: int, axes: Iterable[int] | None = None) -> None:
         """Prescribe velocities of nodes along some axes; None: all."""
         for node in nodes:
@@ -150,7 +171,8 @@ class Builder:
         damped = any(each.axial_damping for *_, each in self._runs)
         damped |= any(each.get("damping", 0.0) > 0.0 for rows in self._elements.values() for each in rows)
         sizes = {"AXES": self.axes, "NODES": masses.size, "VISCOUS": masses.size * damped, "RUNS": len(self._runs),
-                 "JOINTS": len(self._joints), "CONTACTS": len(self._forces)}  # fmt: skip
+                 "JOINTS": len(self._joints), "CONTACTS": len(self._forces),
+                 "WATCHED": len(self.watched), "SAMPLES": self.samples}  # fmt: skip
         sizes |= {f"{kind.upper()}S": len(rows) for kind, rows in self._elements.items()}
         model, state = Block("MODEL", sizes), Block("STATE", sizes)
         copies, originals = np.array(self._joints, dtype=np.int64).reshape(-1, 2).T
@@ -166,6 +188,7 @@ class Builder:
             raise RopewalkError(f"node {np.nonzero(massless)[1][0]} has no mass; give it one, or hold it")
         mobility = np.divide(1.0, masses, where=moves, out=np.zeros(points.shape))
         model.set(mobility=mobility, joint_copy=copies, joint_original=originals)
+        model.set(watched=np.array(self.watched, dtype=np.int64), inner_steps=[self.inner_steps])
         model.weight[-1] = -self.gravity * masses
         state.position[:] = points
         for k, (run, force, place, speed) in enumerate(self._forces):
