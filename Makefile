@@ -30,13 +30,13 @@ ELSEWHERE ?= --ignore-glob='tests/mechanics/test_kernel_*.py' --ignore=tests/mec
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 STUDIO := src/ropewalk/studio/page
-.PHONY: core docs pictures release studio lessons studio-packages studio-front studio-check help demo warm-up test test-elsewhere lint types figures bench peers fuzz \
+.PHONY: core all-variants docs pictures release studio lessons studio-packages studio-front studio-check help demo warm-up test test-elsewhere lint types figures bench peers fuzz \
   kills kills-cluster interrupts matrix references properties clean clean-cache
 
 help:
 	@echo "make demo         set up, run examples/$(DEMO).yaml, draw out/$(DEMO).png and .gif"
 	@echo "make test         set up and run the tests"
-	@echo "make core         compile what has changed of src/core"
+	@echo "make core         compile what has changed of src/core, for this processor alone"
 	@echo "make warm-up      compile before what most of them need"
 	@echo "make test-elsewhere  a part of them as on another processor: other kernels of OpenBLAS, no wide vectors, no fused operations"
 	@echo "make docs         the site in build/site"
@@ -94,6 +94,9 @@ $(VENV)/.peers: $(VENV)/.dev
 
 # The installation has compiled the core; what has changed since is compiled anew.
 core: $(VENV)/.core
+	@$(BIN)/python build_core/compiler.py native >/dev/null
+
+all-variants: $(VENV)/.core
 	@$(BIN)/python build_core/compiler.py >/dev/null
 
 # -- Runs --------------------------------------------------------------------------------------------------------
@@ -158,7 +161,7 @@ studio-check: studio-front $(VENV)/.dev
 
 # -- Checks ------------------------------------------------------------------------------------------------------
 
-warm-up: $(VENV)/.dev core
+warm-up: $(VENV)/.dev all-variants
 	@$(BIN)/ropewalk warm-up --quiet
 
 test: warm-up

@@ -80,13 +80,21 @@ def _compiles(command: list[str]) -> bool:
         return subprocess.run(words, capture_output=True, check=False).returncode == 0
 
 
-def build(root: Path, folder: Path, *, checked: bool = False) -> Path:
+def native_variant() -> str:
+    """Return the widest variant that this processor runs, as far as its system tells; else the baseline."""
+    features = Path("/proc/cpuinfo")
+    words = set(features.read_text(encoding="utf-8").split()) if features.exists() else set()
+    return "avx512" if {"avx512dq", "avx512vl"} <= words else "avx2" if "avx2" in words else "baseline"
+
+
+def build(root: Path, folder: Path, *, checked: bool = False, only: str = "") -> Path:
     """Compile the core into a library in a folder, and return its path. What has not changed is not compiled anew.
 
     Args:
         root: of the repository.
         folder: of the library; made if it does not exist.
         checked: stop at the first undefined operation.
+        only: one variant instead of all.
 
     Raises:
         RuntimeError: it does not compile, or there is no compiler.
@@ -99,10 +107,12 @@ def build(root: Path, folder: Path, *, checked: bool = False) -> Path:
         compiler = [sys.executable, "-m", "ziglang", "c++", "-target", target.zig]
     flags = [*FLAGS, *target.compiling, *(CHECKED if checked else ())]
     jobs = list[tuple[list[str], Path]]()
-    for source in ("api", "assembly", "bind", "runtime"):
-        jobs.append(([str(root / "src" / "core" / f"{source}.cpp")], objects / f"{source}.o"))
+    names = [name for name in VARIANTS if name == "baseline" or "86" in tag or "amd" in tag]
+    linked = sum(1 << number for number, name in enumerate(names) if only in ("", name))
+    for source, own in (("api", [f"-DRW_LINKED={linked}"]), ("assembly", []), ("bind", []), ("runtime", [])):
+        jobs.append(([str(root / "src" / "core" / f"{source}.cpp"), *own], objects / f"{source}.o"))
     for name, own in VARIANTS.items():
-        if name == "baseline" or "86" in tag or "amd" in tag:
+        if name in names and only in ("", name):
             words = [str(root / "src" / "core" / "variant.cpp"), f"-DRW_VARIANT={name}", *own]
             jobs.append((words, objects / f"{name}.o"))
     with ThreadPoolExecutor(os.cpu_count()) as pool:
@@ -136,4 +146,5 @@ def _run(command: list[str]) -> None:
 
 if __name__ == "__main__":
     ROOT = Path(__file__).parent.parent
-    print(build(ROOT, ROOT / "src" / "ropewalk" / "engine"))
+    ONLY = native_variant() if sys.argv[1:] == ["native"] else ""
+    print(build(ROOT, ROOT / "src" / "ropewalk" / "engine", only=ONLY))

@@ -126,9 +126,7 @@ class Reference:
         if self.linearised:
             return RunProperties(h, wire.mass, 0.0, bending_stiffness=EI, curved=False, tension=T, taut=True)
         stretch = 1.0 + T / wire.axial_stiffness
-        return RunProperties(
-            h / stretch, wire.mass * stretch, wire.axial_stiffness, bending_stiffness=EI, curved=False
-        )
+        return RunProperties(h / stretch, wire.mass * stretch, wire.axial_stiffness, bending_stiffness=EI, curved=False)
 
     def add_wire(self, builder: Builder, wire: OverheadWire, height: float) -> int:
         """Add a wire that weights pull at both ends; return its first node."""

@@ -107,6 +107,7 @@ def net(
     force: float = 0.0,
     EA: float = 2e3,
     side: float = 1.0,
+    parts: int = 1,
 ) -> Bound:
     """A square net of straight threads under a tension, sagged by an eighth; its rim is held unless `free`,
     when it pushes, too.
@@ -119,6 +120,7 @@ def net(
         force: down, on a thread in the middle, N.
         EA: of a thread, N.
         side: of a cell, m.
+        parts: that threads may share.
     """
     builder, (across, rows) = Builder(3, gravity=0.0 if free else 9.81), cells
     h = side / (1.0 + pull / EA)
@@ -138,7 +140,7 @@ def net(
         builder.add_band(sides[0] + 1, sides[1] + 1, across - 1, link)
     if force:
         builder.add_force(rows // 2, [0.0, 0.0, -force], 0.3 * side, 2.0)
-    return Bound(*builder.build())
+    return Bound(*builder.build(parts))
 
 
 STRUCTURES = {

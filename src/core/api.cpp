@@ -2,6 +2,10 @@
 #include "assembly.hpp"
 #include "variant.hpp"
 
+#ifndef RW_LINKED
+#define RW_LINKED 7  // a bit for each variant that is linked
+#endif
+
 namespace baseline {
 extern const Variant functions;
 }
@@ -15,6 +19,11 @@ namespace avx512 {
 extern const Variant functions;
 }
 
+static const Variant* const VARIANTS[] = {RW_LINKED & 1 ? &baseline::functions : nullptr,
+                                          RW_LINKED & 2 ? &avx2::functions : nullptr,
+                                          RW_LINKED & 4 ? &avx512::functions : nullptr};
+constexpr I64 COUNT = 3;
+
 // Whether the processor and the operating system have all of the features of a variant.
 static bool has(I64 variant) {
     unsigned a, b, c, d;
@@ -26,9 +35,6 @@ static bool has(I64 variant) {
     if (variant == 1) return (low & 6) == 6 && (b >> 5 & 1);
     return (low & 0xe6) == 0xe6 && (b >> 16 & 1) && (b >> 17 & 1) && (b >> 31 & 1);  // F, DQ and VL
 }
-
-static const Variant* const VARIANTS[] = {&baseline::functions, &avx2::functions, &avx512::functions};
-constexpr I64 COUNT = 3;
 #else
 static bool has(I64) { return true; }
 static const Variant* const VARIANTS[] = {&baseline::functions};
@@ -36,18 +42,16 @@ constexpr I64 COUNT = 1;
 #endif
 
 // Version of the interface: a library of another one is not used.
-RW_EXPORT I64 rw_version() { return 2; }
+RW_EXPORT I64 rw_version() { return 3; }
 
-// Number of the largest variant that runs here: 0 baseline, 1 AVX2, 2 AVX-512.
-RW_EXPORT I64 rw_best_variant() {
-    I64 variant = COUNT - 1;
-    while (!has(variant)) variant--;
-    return variant;
+// Whether a variant is linked and runs here: 0 baseline, 1 AVX2, 2 AVX-512.
+RW_EXPORT I64 rw_has_variant(I64 variant) {
+    return variant >= 0 && variant < COUNT && VARIANTS[variant] && has(variant);
 }
 
 // Values of an elementary function; 0, or -1 where there is no such variant here.
 RW_EXPORT I64 rw_elementary(I64 variant, I64 function, I64 count, const double* x, const double* y, double* values) {
-    if (variant < 0 || variant >= COUNT || !has(variant)) return -1;
+    if (!rw_has_variant(variant)) return -1;
     VARIANTS[variant]->elementary(function, count, x, y, values);
     return 0;
 }
@@ -73,10 +77,14 @@ RW_EXPORT I64 rw_bind(char* const* bases, const I64* bytes, I64* finding) {
 
 // Functions below return -1 if blocks have not been bound, or there is no such variant here.
 
-// Take steps of dt s; returns 0, 1 if `stop` was set and 2 if positions are no numbers any more.
-RW_EXPORT I64 rw_advance(I64 variant, char* const* bases, I64 steps, double dt, const volatile I32* stop, I64* done) {
-    if (variant < 0 || variant >= COUNT || !has(variant) || !baseline::are_bound(blocks_of(bases))) return -1;
-    return VARIANTS[variant]->advance(bases[0], bases[1], bases[2], steps, dt, stop, done);
+// Take steps of dt s as the only thread, or as one of as many as the structure has parts, which all call at once;
+// returns 0, 1 if `stop` was set and 2 if positions are no numbers any more.
+RW_EXPORT I64 rw_advance(I64 variant, char* const* bases, I64 thread, I64 threads, I64 steps, double dt,
+                         const volatile I32* stop, I64* done) {
+    if (!rw_has_variant(variant) || !baseline::are_bound(blocks_of(bases))) return -1;
+    const I64 parts = blocks_of(bases).model.header().counts[baseline::PARTS];
+    if ((threads != 1 && threads != parts) || thread < 0 || thread >= threads) return -1;
+    return VARIANTS[variant]->advance(bases, thread, threads, steps, dt, stop, done);
 }
 
 RW_EXPORT I64 rw_forces(char* const* bases, const double* velocities, double* forces) {

@@ -119,7 +119,7 @@ struct Cursor {
 };
 
 struct Model {
-    I64 axes, nodes, viscous, runs, springs, bands, joints, contacts, collectors;
+    I64 axes, nodes, viscous, runs, springs, bands, joints, contacts, collectors, parts;
     I64 stride;         // of arrays of nodes
     const I64* counts;  // of all dimensions
 #define DIMENSION(...)
@@ -131,7 +131,7 @@ struct Model {
     explicit Model(Arena arena) : counts(arena.header().counts) {
         axes = counts[AXES], nodes = counts[NODES], viscous = counts[VISCOUS];
         runs = counts[RUNS], springs = counts[SPRINGS], bands = counts[BANDS], joints = counts[JOINTS],
-        contacts = counts[CONTACTS], collectors = counts[COLLECTORS];
+        contacts = counts[CONTACTS], collectors = counts[COLLECTORS], parts = counts[PARTS];
         stride = stride_of(nodes);
         Cursor cursor(arena);
 #define DIMENSION(...)

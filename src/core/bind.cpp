@@ -13,6 +13,7 @@ bool complete(I64* counts) {
     counts[ONE] = 1, counts[SCRATCH] = SCRATCH_SIZE, counts[STENCIL] = SHARED;
     for (int i = 0; i < DIMENSIONS; i++)
         if (counts[i] < 0 || counts[i] > LARGEST) return false;
+    if (counts[PARTS] == 0) counts[PARTS] = 1;
     const bool is_viscous = counts[VISCOUS] == counts[NODES];
     return (counts[AXES] == 2 || counts[AXES] == 3) && counts[NODES] > 0 && (is_viscous || counts[VISCOUS] == 0);
 }
@@ -124,6 +125,25 @@ static Finding check_bands(const Model& m) {
     return {Fault::NONE, 0, 0};
 }
 
+static Finding check_parts(const Model& m) {
+    for (I64 part = 0; part < m.parts; part++)
+        if (m.part_run[part] < (part ? m.part_run[part - 1] : 0) || m.part_run[part] > (part ? m.runs : 0))
+            return {Fault::PART, number_of_part_run, part};
+    return {Fault::NONE, 0, 0};
+}
+
+// The part that a band is inside of, or the number of parts. A part reaches to the first node of the next one.
+static I64 part_of(const Model& m, const State& s, I64 band) {
+    const I64 begin = m.band_begin[band], end = m.band_end[band], springs = m.band_springs[band];
+    for (I64 part = 0; part < m.parts; part++) {
+        const auto border = [&](I64 run) { return run < m.runs ? s.run_first[run] : m.nodes; };
+        const I64 low = part ? border(m.part_run[part]) : 0;
+        const I64 high = part + 1 < m.parts ? border(m.part_run[part + 1]) : m.nodes;
+        if (begin >= low && end >= low && begin + springs <= high && end + springs <= high) return part;
+    }
+    return m.parts;
+}
+
 // Number of the run that a node is inside of, or -1. Runs are in order.
 static I64 run_around(const Model& m, const State& s, I64 node) {
     I64 low = 0, high = m.runs;
@@ -170,10 +190,10 @@ static bool differs(const Model& m, I64 i, I64 j) {
 static void find_odd_nodes(const Model& m, const State& s, Workspace& w) {
     I64 count = 0;
     for (I64 r = 0; r < m.runs; r++) {
-        const I64 begin = count, first = s.run_first[r];
+        const I64 first = s.run_first[r];
         for (I64 i = first + 2; i < first + s.run_links[r]; i++)
             if (differs(m, i, first + 1)) w.odd[count++] = i;
-        w.run_odd[r] = count - begin;
+        w.run_odd[r] = count;
     }
 }
 
@@ -215,7 +235,9 @@ static void find_kicked_nodes(const Model& m, const State& s, Workspace& w) {
 
 static void prepare(const Model& m, const State& s, Workspace& w) {
     for (I64 i = 0; i < m.axes * m.stride; i++) w.force[i] = 0.0;
-    for (I64 i = 0; i < SCRATCH_SIZE; i++) w.scratch[i] = 0.0;
+    for (I64 i = 0; i < m.parts * stride_of(SCRATCH_SIZE); i++) w.scratch[i] = 0.0;
+    for (I64 part = 0; part < m.parts; part++) w.arrived[part * stride_of(1)] = 0;
+    for (I64 band = 0; band < m.bands; band++) w.band_part[band] = part_of(m, s, band);
     find_odd_nodes(m, s, w);
     find_pulled_runs(m, s, w);
     find_kicked_nodes(m, s, w);
@@ -240,6 +262,7 @@ Finding bind(const Blocks& blocks, const I64* bytes) {
     if (const Finding found = check_taut_runs(m, s); found.fault != Fault::NONE) return found;
     if (const Finding found = check_springs(m); found.fault != Fault::NONE) return found;
     if (const Finding found = check_bands(m); found.fault != Fault::NONE) return found;
+    if (const Finding found = check_parts(m); found.fault != Fault::NONE) return found;
     if (const Finding found = check_joints(m, s, w); found.fault != Fault::NONE) return found;
     prepare(m, s, w);
     blocks.work.header().is_bound = 1;

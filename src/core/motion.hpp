@@ -10,6 +10,7 @@
 #include "stencil.hpp"
 #include "sweep.hpp"
 #include "taut.hpp"
+#include "team.hpp"
 
 namespace RW_VARIANT {
 
@@ -20,24 +21,34 @@ struct Motion {
     const Model& m;
     const State& s;
     Workspace& w;
+    const Team team;
     I64 now = 0;  // number of the step of this call
 
+    // Springs and loads kick once in a step; runs and joints follow by the inner steps of the Model, if it has any.
     I64 advance(I64 steps, double dt, const volatile I32* stop, I64* done) {
+        const I64 inner = m.inner_steps[0] > 1 ? m.inner_steps[0] : 1;
+        const double part = inner > 1 ? dt / static_cast<double>(inner) : dt;
         for (*done = 0; *done < steps; ++*done) {
-            if (*stop) return STOPPED;
-            record(*done);
-            take_step(dt);
+            if (team.leads() && !(w.halted[0] = *stop != 0)) record(*done), begin_step(dt, part, inner);
+            for (I64 i = 0; i < inner; i++) {
+                const double kick = i == 0 ? s.lag[0] + 0.5 * part : part;
+                const Step step{kick, part, 0.5 * part / kick};
+                if (team.leads()) pull_bands(0, m.nodes, m.parts);
+                team.meet();
+                if (w.halted[0]) return STOPPED;
+                for (I64 k = team.thread; k < m.parts; k += team.threads) sweep_part(step, k);
+                team.meet();
+                if (team.leads()) move_rest(step);
+            }
+            if (team.leads()) end_step(dt, part, inner);
         }
-        return is_finite() ? DONE : DIVERGED;
+        return !team.leads() || is_finite() ? DONE : DIVERGED;
     }
 
   private:
-    // Springs and loads kick once; runs and joints follow by the inner steps of the Model, if it has any.
-    void take_step(double dt) {
-        const I64 inner = m.inner_steps[0] > 1 ? m.inner_steps[0] : 1;
-        const double part = inner > 1 ? dt / static_cast<double>(inner) : dt;
-        double kick = s.lag[0] + 0.5 * part;
-        const double slow_kick = inner > 1 ? s.slow_lag[0] + 0.5 * dt : kick;
+    // What concerns several parts, before any node is moved.
+    void begin_step(double dt, double part, I64 inner) {
+        const double kick = s.lag[0] + 0.5 * part, slow_kick = inner > 1 ? s.slow_lag[0] + 0.5 * dt : kick;
         pull_springs();
         add_others();
         press_contacts();
@@ -48,26 +59,33 @@ struct Motion {
         kick_few(slow_kick);
         if (inner > 1)
             for (I64 i = 0; i < AXES * m.stride; i++) w.force[i] *= slow_kick / kick;
-        for (I64 i = 0; i < inner; i++, kick = part) move_all({kick, part, 0.5 * part / kick});
+    }
+
+    void end_step(double dt, double part, I64 inner) {
         if (VISCOUS && inner > 1)
             for (I64 i = 0; i < AXES * m.stride; i++) s.predicted[i] += (0.5 * dt * m.mobility[i]) * w.slow[i];
-        sum_work(slow_kick);
+        sum_work(inner > 1 ? s.slow_lag[0] + 0.5 * dt : s.lag[0] + 0.5 * dt);
         for (I64 k = 0; k < m.contacts; k++) s.contact_place[k] += dt * s.contact_speed[k];
         s.time[0] += dt;
         s.lag[0] = 0.5 * part, s.slow_lag[0] = 0.5 * dt;
     }
 
-    // Kick and drift all nodes, by the forces so far and those of runs.
-    void move_all(const Step& step) {
+    // Runs of a part and the bands inside it.
+    void sweep_part(const Step& step, I64 part) {
+        const I64 last = part + 1 < m.parts ? m.part_run[part + 1] : m.runs;
         I64 band = 0;
-        for (I64 run = 0; run < m.runs; run++) {
-            pull_bands(band, s.run_first[run] + s.run_links[run]);
+        for (I64 run = m.part_run[part]; run < last; run++) {
+            band = pull_bands(band, s.run_first[run] + s.run_links[run], part);
             if (VISCOUS && w.run_damped[run])
-                move_run<VISCOUS>(step, run);
+                move_run<VISCOUS>(step, run, part);
             else
-                move_run<false>(step, run);
+                move_run<false>(step, run, part);
         }
-        pull_bands(band, m.nodes);
+        pull_bands(band, m.nodes, part);
+    }
+
+    // Nodes between and beyond runs.
+    void move_rest(const Step& step) {
         join(w.force, true);
         move_others(step);
         join(s.position, false);
@@ -98,11 +116,11 @@ struct Motion {
     }
 
     template <bool DAMPED>
-    void move_run(const Step& step, I64 run) {
+    void move_run(const Step& step, I64 run, I64 part) {
         switch (kind_of(m, run)) {
-            case Kind::STRAIGHT: Sweep<AXES, DAMPED, Kind::STRAIGHT>(m, s, w, step, run).run(); break;
-            case Kind::CURVED: Sweep<AXES, DAMPED, Kind::CURVED>(m, s, w, step, run).run(); break;
-            case Kind::PLAIN: Sweep<AXES, DAMPED, Kind::PLAIN>(m, s, w, step, run).run(); break;
+            case Kind::STRAIGHT: Sweep<AXES, DAMPED, Kind::STRAIGHT>(m, s, w, step, run, part).run(); break;
+            case Kind::CURVED: Sweep<AXES, DAMPED, Kind::CURVED>(m, s, w, step, run, part).run(); break;
+            case Kind::PLAIN: Sweep<AXES, DAMPED, Kind::PLAIN>(m, s, w, step, run, part).run(); break;
             case Kind::TAUT: Taut<AXES, DAMPED>(m, s, w, step, run).run();
         }
     }
@@ -127,10 +145,11 @@ struct Motion {
         }
     }
 
-    // Bands from this one on that begin at a node or before it.
-    void pull_bands(I64& band, I64 node) {
+    // Bands of a part, from this one on, that begin at a node or before it. Returns the next one.
+    I64 pull_bands(I64 band, I64 node, I64 part) {
         for (; band < m.bands && (m.band_begin[band] <= node || m.band_end[band] <= node); band++)
-            pull_band<AXES, VISCOUS>(m, s, w, band);
+            if (w.band_part[band] == part) pull_band<AXES, VISCOUS>(m, s, w, band);
+        return band;
     }
 
     void pull_springs() {

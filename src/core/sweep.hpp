@@ -76,11 +76,7 @@ inline void move_loaded(const Model& m, const State& s, Workspace& w, const Step
 }
 
 // The nodes of a run that differ from the others.
-inline const I64* odd_of(const Workspace& w, I64 run) {
-    I64 begin = 0;
-    for (I64 r = 0; r < run; r++) begin += w.run_odd[r];
-    return w.odd.data + begin;
-}
+inline const I64* odd_of(const Workspace& w, I64 run) { return w.odd.data + (run > 0 ? w.run_odd[run - 1] : 0); }
 
 template <int AXES, bool VISCOUS, Kind KIND>
 struct Sweep {
@@ -91,17 +87,24 @@ struct Sweep {
     Workspace& w;
     const Step& step;
     Links p;
+    I64 part;
     I64 first, links;  // of the run
     bool is_pulled;
     const I64* odd;  // the next of its nodes with a mobility or weight of their own
     const I64* odd_end;
     Uniform<AXES> others;  // of the others
 
-    Sweep(const Model& model, const State& state, Workspace& work, const Step& step_, I64 run)
-        : m(model), s(state), w(work), step(step_), p(links_of(model, run)), others(model, state.run_first[run] + 1) {
+    Sweep(const Model& model, const State& state, Workspace& work, const Step& step_, I64 run, I64 part_)
+        : m(model),
+          s(state),
+          w(work),
+          step(step_),
+          p(links_of(model, run)),
+          part(part_),
+          others(model, state.run_first[run] + 1) {
         first = s.run_first[run], links = s.run_links[run];
         is_pulled = w.run_pulled[run];
-        odd = odd_of(w, run), odd_end = odd + w.run_odd[run];
+        odd = odd_of(w, run), odd_end = w.odd.data + w.run_odd[run];
     }
 
     void run() {
@@ -115,7 +118,7 @@ struct Sweep {
     enum Row { BEND, PULL, NEAR, FAR, MOMENT };  // of the scratch space, for each axis: numbers of nodes and links
 
     double* row(Row which, int axis) const {
-        return w.scratch.at((which * AXES + axis) * SCRATCH_ROW, SCRATCH_ROW) + MARGIN;
+        return w.scratch.at(part * stride_of(SCRATCH_SIZE) + (which * AXES + axis) * SCRATCH_ROW, SCRATCH_ROW) + MARGIN;
     }
     const double* positions(int axis, I64 a) const { return s.position.at(axis * m.stride + first + a, 1); }
 

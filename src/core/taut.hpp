@@ -31,7 +31,7 @@ class Taut {
           tension(links_of(model, run).tension),
           bending(plain_moment(links_of(model, run))),
           odd(odd_of(work, run)),
-          odd_end(odd + work.run_odd[run]) {}
+          odd_end(work.odd.data + work.run_odd[run]) {}
 
     void run() {
         w.force[row + first] += tension * (z(1) - z(0)) - moment(1);

@@ -20,14 +20,16 @@ static void elementary(I64 function, I64 count, const double* x, const double* y
     }
 }
 
-static I64 advance(char* model, char* state, char* work, I64 steps, double dt, const volatile I32* stop, I64* done) {
-    const Model m(Arena{model});
-    const State s(Arena{state});
-    Workspace w(Arena{work});
-    if (m.axes == 2 && m.viscous) return Motion<2, true>{m, s, w}.advance(steps, dt, stop, done);
-    if (m.axes == 2) return Motion<2, false>{m, s, w}.advance(steps, dt, stop, done);
-    if (m.viscous) return Motion<3, true>{m, s, w}.advance(steps, dt, stop, done);
-    return Motion<3, false>{m, s, w}.advance(steps, dt, stop, done);
+static I64 advance(char* const* bases, I64 thread, I64 threads, I64 steps, double dt, const volatile I32* stop,
+                   I64* done) {
+    const Model m(Arena{bases[0]});
+    const State s(Arena{bases[1]});
+    Workspace w(Arena{bases[2]});
+    const Team team{thread, threads, w};
+    if (m.axes == 2 && m.viscous) return Motion<2, true>{m, s, w, team}.advance(steps, dt, stop, done);
+    if (m.axes == 2) return Motion<2, false>{m, s, w, team}.advance(steps, dt, stop, done);
+    if (m.viscous) return Motion<3, true>{m, s, w, team}.advance(steps, dt, stop, done);
+    return Motion<3, false>{m, s, w, team}.advance(steps, dt, stop, done);
 }
 
 extern const Variant functions;

@@ -65,7 +65,9 @@ def spoil(words: NDArray[np.int64], draw: np.random.Generator) -> None:
 def compute(core: ctypes.CDLL, bases: ctypes.Array[ctypes.c_void_p], size: int, draw: np.random.Generator) -> None:
     """Call everything that bound blocks allow."""
     done, stop = ctypes.c_int64(), ctypes.c_int32()
-    core.rw_advance(int(draw.integers(0, len(variants()))), bases, 3, 1e-3, ctypes.byref(stop), ctypes.byref(done))
+    core.rw_advance(
+        int(draw.integers(0, len(variants()))), bases, 0, 1, 3, 1e-3, ctypes.byref(stop), ctypes.byref(done)
+    )
     velocities, forces = np.zeros((2, size))
     core.rw_forces(bases, velocities.ctypes.data, forces.ctypes.data)
     core.rw_energies(bases, forces.ctypes.data)
@@ -87,7 +89,7 @@ def main(path: str, seconds: float, seed: int) -> None:
         taut_lines(3, 40.0),
         loose(damping=9.0),
         net(),
-        net((20, 2), damping=0.3, free=True),
+        net((20, 2), damping=0.3, free=True, parts=2),
     ]
     pages, rounds, computed, end = [Guarded() for _ in range(3)], 0, 0, monotonic() + seconds
     while monotonic() < end:

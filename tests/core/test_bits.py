@@ -11,6 +11,8 @@ import pytest
 from core_structures import STRUCTURES, bridge, net, rope, taut_lines
 from ropewalk.engine.bound import Bound
 from ropewalk.engine.library import variants
+from ropewalk.engine.model import Block
+from ropewalk.errors import RopewalkError
 
 STEPS, STEP = 500, 2.0**-13
 HASHES = {
@@ -54,6 +56,43 @@ def test_division_into_calls_changes_no_bit(make: Callable[[], Bound]) -> None:
         parts.velocities()  # results in between change nothing either
         parts.linearise()
     np.testing.assert_array_equal(whole.state.memory, parts.state.memory)
+
+
+def parted(make: Callable[[], Bound]) -> Bound:
+    """Return a structure whose runs are shared out to as many parts as it has runs."""
+    whole = make()
+    runs = whole.model.sizes["RUNS"]
+    model, state = (Block(each.part, each.sizes | {"PARTS": runs}) for each in (whole.model, whole.state))
+    for one, other in ((model, whole.model), (state, whole.state)):
+        one.set(**{name: getattr(other, name) for name in other.names() if name != "part_run"})
+    model.part_run[:] = np.arange(runs)
+    return Bound(model, state)
+
+
+@pytest.mark.parametrize("kind", ["bridge under a force", "damped tripod", "damped free net"])
+def test_threads_change_no_bit(kind: str) -> None:
+    """Each run is a part; bands between them are summed before, joints behind."""
+    one, several = (parted(STRUCTURES[kind]) for _ in range(2))
+    for steps in (1, 39):
+        several.advance(steps, STEP, threads=one.model.sizes["PARTS"])
+    one.advance(40, STEP)
+    np.testing.assert_array_equal(one.state.memory, several.state.memory)
+    whole = STRUCTURES[kind]()
+    whole.advance(40, STEP)  # rounding differs where sums do
+    np.testing.assert_allclose(one.state.position, whole.state.position, rtol=0, atol=1e-12)
+
+
+def test_half_of_a_net_is_a_part() -> None:
+    one, two = (net((30, 9), parts=2) for _ in range(2))
+    assert one.model.part_run.tolist() == [0, 4]
+    assert one.work.band_part.tolist() == [0, 0, 0, 2, 1, 1, 1, 1, 1]  # 2: joins both
+    one.advance(100, STEP)
+    two.advance(100, STEP, threads=2)
+    np.testing.assert_array_equal(one.state.memory, two.state.memory)
+    two.stop.value = 1
+    assert two.advance(10, STEP, threads=2) == (0, "stopped")
+    with pytest.raises(RopewalkError, match="threads: 3 for 2 parts; use one, or one for each part"):
+        two.advance(1, STEP, threads=3)
 
 
 def test_copy_of_a_state_is_a_checkpoint() -> None:

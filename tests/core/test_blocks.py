@@ -70,6 +70,7 @@ def test_nodes_inside_taut_runs_move_along_the_last_axis_only() -> None:
     ("band_springs", 3, 6, "band_springs[3] is 6; a band"), ("band_end", 2, 13, "band_springs[2] is 4; a band"),
     ("band_springs", 1, 7, "band_springs[1] is 7; a band"), ("band_begin", 3, 5, "band_begin[3] is 5; a band"),
     ("band_end", 3, 30, "band_end[3] is node 30; nodes are 0 to 29"),
+    ("part_run", 0, 1, "part_run[0] is 1; the first part begins at run 0, others at ascending runs"),
     ("band_damping", 1, 2.0, "band_damping[1] is 2.0; a structure with dampers needs VISCOUS = NODES"),
 ])  # fmt: skip
 def test_spoilt_band_is_refused_by_name(name: str, entry: int, value: float, message: str) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from threading import Thread
 from time import perf_counter
 from typing import Any, Literal, NamedTuple, get_args
 
@@ -77,44 +78,57 @@ class Bound:
         """
         if not self.model.sizes["SAMPLES"]:
             raise RopewalkError("this structure records nothing; give its Builder samples")
-        forces, heights, work, taken = list[Array](), list[Array](), self.work, 0
+        forces, heights, work, taken, done = list[Array](), list[Array](), self.work, 0, ctypes.c_int64()
         while taken < steps:
             count = min(steps - taken, self.model.sizes["SAMPLES"])
-            done, outcome = self._call(count, dt, variant)
+            outcome = self._call(0, 1, count, dt, variant, done)
             if outcome:
-                raise RopewalkError(f"the motion has {get_args(Outcome)[outcome]} after {taken + done} steps")
+                raise RopewalkError(f"the motion has {get_args(Outcome)[outcome]} after {taken + done.value} steps")
             forces.append(work.recorded_force[:, :count].copy())
             heights.append(work.recorded_height[:, :count].copy())
             taken += count
         return np.concatenate(forces, axis=1), np.concatenate(heights, axis=1)
 
-    def advance(self, steps: int, dt: float, variant: str | None = None) -> Advance:
-        """Take steps of Verlet's method. How they are divided into calls makes no difference to any bit.
+    def advance(self, steps: int, dt: float, variant: str | None = None, threads: int = 1) -> Advance:
+        """Take steps of Verlet's method. Neither their division into calls nor threads make a difference to any bit.
 
         Args:
             steps: number of steps.
             dt: step, s.
             variant: instruction set; None: the best one of this processor.
+            threads: 1, or as many as the structure has parts; they wait for each other without rest, so each needs a
+                processor of its own.
+
+        Raises:
+            RopewalkError: this processor has no such instruction set, or the structure not as many parts.
         """
-        taken = 0
+        if threads not in (1, parts := self.model.sizes["PARTS"]):
+            raise RopewalkError(f"threads: {threads} for {parts} parts; use one, or one for each part")
+        done, taken = ctypes.c_int64(), 0
         while taken < steps:
             begin = perf_counter()
-            done, outcome = self._call(min(steps - taken, max(16, int(CALL * self._speed))), dt, variant)
-            self._speed = done / max(perf_counter() - begin, 1e-9)
-            taken += done
+            count = min(steps - taken, max(16, int(CALL * self._speed)))
+            counts = [done, *(ctypes.c_int64() for _ in range(1, threads))]
+            calls = [(k, threads, count, dt, variant, each) for k, each in enumerate(counts)]
+            others = [Thread(target=self._call, args=call) for call in calls[1:]]
+            for each in others:
+                each.start()
+            outcome = self._call(*calls[0])
+            for each in others:
+                each.join()
+            self._speed = done.value / max(perf_counter() - begin, 1e-9)
+            taken += done.value
             if outcome:
                 return Advance(taken, get_args(Outcome)[outcome])
         return Advance(taken, "done")
 
-    def _call(self, steps: int, dt: float, variant: str | None) -> tuple[int, int]:
-        """Call the core; return the steps taken and the number of the outcome."""
-        number, done = VARIANTS.index(variant or variants()[-1]), ctypes.c_int64()
-        outcome = library().rw_advance(
-            number, self._bases, steps, dt, ctypes.addressof(self.stop), ctypes.addressof(done)
-        )
+    def _call(self, thread: int, threads: int, steps: int, dt: float, variant: str | None, done: ctypes.c_int64) -> int:
+        """Call the core for one of some threads; return the number of the outcome."""
+        number, stop = VARIANTS.index(variant or variants()[-1]), ctypes.addressof(self.stop)
+        outcome = library().rw_advance(number, self._bases, thread, threads, steps, dt, stop, ctypes.addressof(done))
         if outcome < 0:
             raise RopewalkError(f"this processor does not run the variant {variant}; use {', '.join(variants())}")
-        return done.value, outcome
+        return int(outcome)
 
     def forces(self, velocities: Array | None = None) -> Array:
         """Return the forces (axis, node) at the positions of the State, N, weights included.
@@ -195,8 +209,9 @@ _FAULTS = {
     7: "is node {value}, which is the first node of the spring, too",
     8: "is {value}; a band has at least one spring, its sides end at node {last} at most and have no node in common, "
     "and bands are in the order of their lowest nodes",
-    9: "is {value}; a structure with dampers needs VISCOUS = NODES",
-    10: "is {value}; nodes inside a taut run move along the last axis only, hold them along the others",
+    9: "is {value}; the first part begins at run 0, others at ascending runs",
+    10: "is {value}; a structure with dampers needs VISCOUS = NODES",
+    11: "is {value}; nodes inside a taut run move along the last axis only, hold them along the others",
 }
 _ADMITTED = {
     "FINITE": "finite numbers", "NOT_NEGATIVE": "finite numbers that are not negative", "POSITIVE": "positive numbers",

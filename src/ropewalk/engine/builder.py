@@ -161,8 +161,11 @@ class Builder:
         """Make two nodes the same point."""
         self._joints.append((copy, original))
 
-    def build(self) -> tuple[Block, Block]:
+    def build(self, parts: int = 1) -> tuple[Block, Block]:
         """Return Model and State; nothing moves.
+
+        Args:
+            parts: number of parts that threads may share, of about as many links each.
 
         Raises:
             RopewalkError: a node that is not fixed has no mass.
@@ -172,7 +175,7 @@ class Builder:
         damped |= any(each.get("damping", 0.0) > 0.0 for rows in self._elements.values() for each in rows)
         sizes = {"AXES": self.axes, "NODES": masses.size, "VISCOUS": masses.size * damped, "RUNS": len(self._runs),
                  "JOINTS": len(self._joints), "CONTACTS": len(self._forces),
-                 "WATCHED": len(self.watched), "SAMPLES": self.samples}  # fmt: skip
+                 "WATCHED": len(self.watched), "SAMPLES": self.samples, "PARTS": parts}  # fmt: skip
         sizes |= {f"{kind.upper()}S": len(rows) for kind, rows in self._elements.items()}
         model, state = Block("MODEL", sizes), Block("STATE", sizes)
         copies, originals = np.array(self._joints, dtype=np.int64).reshape(-1, 2).T
@@ -191,6 +194,8 @@ class Builder:
         model.set(watched=np.array(self.watched, dtype=np.int64), inner_steps=[self.inner_steps])
         model.weight[-1] = -self.gravity * masses
         state.position[:] = points
+        ends = np.cumsum([links for _, links, _ in self._runs])
+        model.part_run[1:] = np.searchsorted(ends, np.arange(1, parts) / parts * ends[-1:]) if parts > 1 else ()
         for k, (run, force, place, speed) in enumerate(self._forces):
             model.contact_run[k], model.contact_force[:, k] = run, force
             state.contact_place[k], state.contact_speed[k] = place, speed

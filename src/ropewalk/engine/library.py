@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ropewalk.errors import RopewalkError
 
-VERSION = 2
+VERSION = 3
 """Version of the interface that is spoken here."""
 VARIANTS = ("baseline", "avx2", "avx512")
 """Instruction sets that the core is compiled for, by their numbers; elsewhere than on x86-64 only the first."""
@@ -23,9 +23,9 @@ PATH = Path(__file__).with_name({"win32": "core.dll", "darwin": "core.dylib"}.ge
 """Path of the library."""
 _NUMBER, _ADDRESS, _DOUBLES = ctypes.c_int64, ctypes.c_void_p, ctypes.POINTER(ctypes.c_double)
 _ARGUMENTS: dict[str, list[Any]] = {
-    "version": [], "best_variant": [], "elementary": [*[_NUMBER] * 3, *[_DOUBLES] * 3],
+    "version": [], "has_variant": [_NUMBER], "elementary": [*[_NUMBER] * 3, *[_DOUBLES] * 3],
     "layout": [_NUMBER, _ADDRESS, _ADDRESS], "bind": [_ADDRESS] * 3,
-    "advance": [_NUMBER, _ADDRESS, _NUMBER, ctypes.c_double, _ADDRESS, _ADDRESS],
+    "advance": [_NUMBER, _ADDRESS, *[_NUMBER] * 3, ctypes.c_double, _ADDRESS, _ADDRESS],
     "forces": [_ADDRESS] * 3, "energies": [_ADDRESS] * 2, "entries": [_ADDRESS], "linearise": [_ADDRESS] * 7,
 }  # fmt: skip
 """Arguments of the functions of the core, which return whole numbers."""
@@ -62,22 +62,23 @@ def library(path: Path = PATH) -> ctypes.CDLL:
 
 def variants() -> tuple[str, ...]:
     """Return the instruction sets that run on this processor, the widest last."""
-    return VARIANTS[: library().rw_best_variant() + 1]
+    return tuple(name for number, name in enumerate(VARIANTS) if library().rw_has_variant(number))
 
 
-def elementary(name: Elementary, x: ArrayLike, y: ArrayLike = 0.0, variant: str = "baseline") -> NDArray[np.float64]:
+def elementary(name: Elementary, x: ArrayLike, y: ArrayLike = 0.0, variant: str | None = None) -> NDArray[np.float64]:
     """Return the values of an elementary function of the core, which has the same bits on every platform.
 
     Args:
         name: of the function.
         x: first argument, any shape.
         y: second argument of `atan2` (where it is the abscissa) and `pow`, broadcast against x.
-        variant: instruction set.
+        variant: instruction set; None: the widest one.
     """
+    number = VARIANTS.index(variant or variants()[-1])
     first, second = (np.ascontiguousarray(each, dtype=np.float64) for each in np.broadcast_arrays(x, y))
     values = np.empty_like(first)
     pointers = (each.ctypes.data_as(_DOUBLES) for each in (first, second, values))
-    if library().rw_elementary(VARIANTS.index(variant), _FUNCTIONS.index(name), values.size, *pointers):
+    if library().rw_elementary(number, _FUNCTIONS.index(name), values.size, *pointers):
         raise RopewalkError(
             f"this processor does not run the variant {variant} of the core; use {', '.join(variants())}"
         )
