@@ -66,7 +66,7 @@ class Bound:
         self._speed = 0.0  # steps per second
 
     def record(self, steps: int, dt: float, variant: str | None = None) -> tuple[Array, Array]:
-        """Take steps as `advance` does, and return forces of collectors, N, and heights of watched nodes, m, before each.
+        """Take steps, and return forces of collectors in N and heights of watched nodes in m before each.
 
         Args:
             steps: number of steps.
