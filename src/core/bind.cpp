@@ -2,6 +2,7 @@
 
 #include "elementary.hpp"
 #include "elements.hpp"
+#include "stencil.hpp"
 
 namespace RW_VARIANT {
 
@@ -10,7 +11,7 @@ constexpr I64 LARGEST = 1ll << 31;
 constexpr I64 FEW = 8;  // links or more for each pulled node of a run: these are few
 
 bool complete(I64* counts) {
-    counts[ONE] = 1, counts[SCRATCH] = SCRATCH_SIZE, counts[STENCIL] = SHARED;
+    counts[ONE] = 1, counts[SCRATCH] = SCRATCH_SIZE, counts[RECORD] = RECORD_SIZE;
     for (int i = 0; i < DIMENSIONS; i++)
         if (counts[i] < 0 || counts[i] > LARGEST) return false;
     if (counts[PARTS] == 0) counts[PARTS] = 1;
@@ -46,6 +47,7 @@ static Fault fault_of(const Field& field, const char* at, const I64* counts) {
     }
     const I64 x = *reinterpret_cast<const I64*>(at);
     if (field.values == Values::NODE) return x >= 0 && x < counts[NODES] ? Fault::NONE : Fault::INDEX;
+    if (field.values == Values::OPTION) return x >= -1 && x < counts[NODES] ? Fault::NONE : Fault::INDEX;
     if (field.values == Values::RUN) return x >= 0 && x < counts[RUNS] ? Fault::NONE : Fault::INDEX;
     return x >= 0 && x <= (field.values == Values::FLAG ? 1 : LARGEST) ? Fault::NONE : Fault::VALUE;
 }
@@ -215,6 +217,11 @@ static void find_pulled_runs(const Model& m, const State& s, Workspace& w) {
     visit_others<2>(m, s, [&]<class E>(const auto&, const I64* nodes) {
         for (int i = 0; i < E::UNKNOWNS / 2; i++) pull(nodes[i], true, 1);
     });
+    for (I64 k = 0; k < m.contacts; k++) {
+        I64 run = first_run_of(m, m.contact_run[k]);
+        for (; w.run_pulled[run] += m.nodes, goes_on(m, run); run++) continue;
+        pull(m.contact_body[k], false, m.nodes);
+    }
     for (I64 r = 0; r < m.runs; r++) w.run_pulled[r] = w.run_damped[r] || FEW * w.run_pulled[r] > s.run_links[r];
 }
 
@@ -242,6 +249,7 @@ static void prepare(const Model& m, const State& s, Workspace& w) {
     find_pulled_runs(m, s, w);
     find_kicked_nodes(m, s, w);
     for (I64 k = 0; k < m.collectors; k++) w.collector_first[k] = m.collector_body[k];
+    for (I64 i = 0; i < m.nodes; i++) w.link_kink[i] = 0.0, w.link_contacts[i] = 0;
 }
 
 Finding bind(const Blocks& blocks, const I64* bytes) {

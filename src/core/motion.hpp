@@ -6,8 +6,8 @@
 
 #include "band.hpp"
 #include "collector.hpp"
+#include "contacts.hpp"
 #include "elements.hpp"
-#include "stencil.hpp"
 #include "sweep.hpp"
 #include "taut.hpp"
 #include "team.hpp"
@@ -51,9 +51,8 @@ struct Motion {
         const double kick = s.lag[0] + 0.5 * part, slow_kick = inner > 1 ? s.slow_lag[0] + 0.5 * dt : kick;
         pull_springs();
         add_others();
-        press_contacts();
+        press_contacts(slow_kick);
         press_collectors();
-        sum_work(slow_kick);
         if (VISCOUS && inner > 1)
             for (I64 i = 0; i < AXES * m.stride; i++) w.slow[i] = w.force[i];
         kick_few(slow_kick);
@@ -64,7 +63,6 @@ struct Motion {
     void end_step(double dt, double part, I64 inner) {
         if (VISCOUS && inner > 1)
             for (I64 i = 0; i < AXES * m.stride; i++) s.predicted[i] += (0.5 * dt * m.mobility[i]) * w.slow[i];
-        sum_work(inner > 1 ? s.slow_lag[0] + 0.5 * dt : s.lag[0] + 0.5 * dt);
         for (I64 k = 0; k < m.contacts; k++) s.contact_place[k] += dt * s.contact_speed[k];
         s.time[0] += dt;
         s.lag[0] = 0.5 * part, s.slow_lag[0] = 0.5 * dt;
@@ -129,8 +127,6 @@ struct Motion {
     // as if nothing acted on it.
     void kick_few(double kick) {
         for (I64 i = 0; i < w.kicks[0]; i++) kick_node(kick, w.kicked[i]);
-        for (I64 k = 0; k < m.contacts; k++)
-            kick_shared(kick, m.contact_run[k], w.contact_first[k], w.contact_shared[k]);
         for (I64 k = 0; k < m.collectors; k++) kick_shared(kick, m.collector_run[k], w.collector_first[k], SHARED);
     }
     void kick_shared(double kick, I64 run, I64 node, I64 count) {
@@ -193,32 +189,34 @@ struct Motion {
         });
     }
 
-    // Locate all contacts, and add the forces of loads to the nodes that share them.
-    void press_contacts() {
+    // Find all contacts, and add their forces to those on nodes.
+    void press_contacts(double kick) {
+        using Element = Touch<AXES>;
+        const Contacts<AXES> contacts{m, s, w};
+        contacts.find();
         for (I64 k = 0; k < m.contacts; k++) {
-            const Share share = share_of(m, s, k);
-            w.contact_first[k] = share.first, w.contact_shared[k] = share.count;
-            for (I64 j = 0; j < share.count; j++) {
-                w.contact_weight[at(j, k)] = share.weight[j];
-                for (int axis = 0; axis < AXES; axis++)
-                    w.force[axis * m.stride + share.first + j] += share.weight[j] * m.contact_force[at(axis, k)];
-            }
+            Record& r = contacts.record(k);
+            I64 nodes[Contacts<AXES>::NODES_OF];
+            double x[Element::UNKNOWNS], v[Element::UNKNOWNS]{}, f[Element::UNKNOWNS]{};
+            contacts.nodes_of(r, m.contact_body[k], nodes);
+            gather<Element, AXES>(s.position, m.stride, nodes, x);
+            if constexpr (VISCOUS) gather<Element, AXES>(s.predicted, m.stride, nodes, v);
+            Element::template force<double>(r, Context{s.time[0], 0.0}, x, v, f);
+            scatter<Element, AXES>(f, m.stride, nodes, w.force);
+            Element::note(r, x);
+            sum_work(r, k, kick);
         }
     }
-    I64 at(I64 row, I64 contact) const { return row * stride_of(m.contacts) + contact; }
 
-    // Half of the work that loads do in a kick, with the velocities of now.
-    void sum_work(double kick) {
-        for (I64 k = 0; k < m.contacts; k++) {
-            double power = 0.0;
-            for (I64 j = 0; j < w.contact_shared[k]; j++) {
-                for (int axis = 0; axis < AXES; axis++) {
-                    const double v = s.velocity[axis * m.stride + w.contact_first[k] + j];
-                    power += w.contact_weight[at(j, k)] * m.contact_force[at(axis, k)] * v;
-                }
-            }
-            s.contact_work[k] += 0.5 * kick * power;
-        }
+    // Work of what moves a contact along, and of what makes its kink softer meanwhile.
+    void sum_work(const Record& r, I64 k, double kick) {
+        s.contact_work[k] += kick * r.push * r.speed;
+        const double before = s.contact_bent[k];
+        if (r.state == Touching::YES && before >= 0.0)
+            s.contact_work[k] += 0.25 * (r.softer + s.contact_softer[k]) * (r.square - before);
+        s.contact_bent[k] = r.state == Touching::YES ? r.square : -1.0;
+        s.contact_softer[k] = r.softer;
+        if (r.state == Touching::YES) s.contact_kink[k] = r.K;
     }
 
     // Add values of copies to those of the original nodes and clear them, or give copies the values of the originals.
