@@ -162,6 +162,29 @@ def net(
     return Bound(*builder.build(parts))
 
 
+def collected(kind: str = "taut", inner: int = 1, links: int = 40) -> Bound:
+    """Two taut strings of 10 m above each other, with springs between them and a body that presses on the lower one."""
+    builder, h = Builder(inner_steps=inner, samples=64, watched=[12]), 10.0 / links
+    for height in (0.0, 1.0):
+        if kind == "taut":
+            run = RunProperties(h, 0.5, 0.0, bending_stiffness=3.0, curved=False, tension=1000.0, taut=True)
+        else:
+            run = RunProperties(h / 1.01, 0.5, 1e5, bending_stiffness=3.0, curved=False)
+        first, last = builder.add_run(np.array([h * np.arange(links + 1), np.full(links + 1, height)]), run)
+        builder.fix(first, last)
+        builder.fix(*range(first, last + 1) if kind == "taut" else (), axes=[0])
+    for node in range(4, links, 8):
+        builder.add_spring(node, links + 1 + node, SpringProperties(800.0, 0.8))
+    ground, body = builder.add_node([2.1, -1.0], 0.0), builder.add_node([2.1, 0.02], 0.7)
+    builder.fix(ground)
+    builder.fix(body, axes=[0])
+    builder.add_spring(ground, body, SpringProperties(300.0, 1.1, 2.0))
+    builder.add_collector(0, body, 3000.0)
+    bound = Bound(*builder.build())
+    bound.state.velocity[0, [ground, body]] = bound.state.predicted[0, [ground, body]] = 12.0
+    return bound
+
+
 STRUCTURES = {
     "rope": rope, "rope in space": lambda: rope(axes=3, links=300),
     "straight links": lambda: rope(run=RunProperties(0.5, 1.0, 1e4, curved=False), links=133),
@@ -171,7 +194,8 @@ STRUCTURES = {
     "bridge under a force": lambda: bridge(force=-500.0), "tripod": tripod, "damped tripod": lambda: tripod(2, 5.0),
     "plain bending": lambda: rope(run=RunProperties(0.5, 1.0, 1e4, 0.0, 30.0, curved=False), links=131),
     "damped plain bending": lambda: rope(axes=3, run=RunProperties(0.5, 1.0, 1e4, 9.0, 30.0, curved=False)),
-    "taut lines": taut_lines, "damped droppers in space": lambda: taut_lines(3, 40.0),
+    "taut lines": taut_lines, "collector": collected, "collector on plain links": lambda: collected("plain"),
+    "damped droppers in space": lambda: taut_lines(3, 40.0),
     "loads": loaded, "loads in space": lambda: loaded(3, RunProperties(0.5, 1.0, 1e4, 20.0, 40.0)),
     "loads on straight links": lambda: loaded(2, RunProperties(0.5, 1.0, 1e4, tension_only=True, curved=False)),
     "loads that share links": lambda: loaded(place=22.2),

@@ -29,6 +29,8 @@ HASHES = {
     "plain bending": "6e302f2705083348",
     "damped plain bending": "fc793cc6192a6d6a",
     "taut lines": "9aba4b8b5b199341",
+    "collector": "b6dda9a2461ec305",
+    "collector on plain links": "af80ad9774e2b6af",
     "damped droppers in space": "6de59e50f2ddb6cd",
     "loads": "fa384b723491ebf8",
     "loads in space": "2fcf76b08a90a3ad",

@@ -10,8 +10,9 @@ import pytest
 from numpy.typing import NDArray
 
 from core_overhead import Reference
+from core_structures import collected
 from ropewalk.engine.bound import Bound
-from ropewalk.engine.builder import Builder, RunProperties, SpringProperties
+from ropewalk.engine.builder import Builder, RunProperties
 from ropewalk.engine.library import variants
 from ropewalk.errors import RopewalkError
 
@@ -36,35 +37,11 @@ def test_line_at_rest_stays_there_with_inner_steps() -> None:
     assert np.abs(bound.state.position - begin)[1].max() < 2e-5
 
 
-def string(kind: str, links: int = 40, inner: int = 1, dt: float = 0.0) -> Bound:
-    """Two taut strings of 10 m above each other, with springs between them and a body that presses on the lower one."""
-    builder, T, h = Builder(inner_steps=inner, samples=64), 1000.0, 10.0 / links
-    for height in (0.0, 1.0):
-        points = np.array([np.linspace(0.0, 10.0, links + 1), np.full(links + 1, height)])
-        if kind == "taut":
-            run = RunProperties(h, 0.5, 0.0, bending_stiffness=3.0, curved=False, tension=T, taut=True)
-        else:
-            run = RunProperties(h / 1.01, 0.5, 1e5, bending_stiffness=3.0, curved=False)
-        first, last = builder.add_run(points, run)
-        builder.fix(first, last)
-        builder.fix(*range(first, last + 1) if kind == "taut" else (), axes=[0])
-    for node in range(4, links, 8):
-        builder.add_spring(node, links + 1 + node, SpringProperties(800.0, 0.8))
-    ground, body = builder.add_node([2.1, -1.0], 0.0), builder.add_node([2.1, 0.02], 0.7)
-    builder.fix(ground)
-    builder.fix(body, axes=[0])
-    builder.add_spring(ground, body, SpringProperties(300.0, 1.1, 2.0))
-    builder.add_collector(0, body, 3000.0)
-    bound = Bound(*builder.build())
-    bound.state.velocity[0, [ground, body]] = bound.state.predicted[0, [ground, body]] = 12.0
-    return bound
-
-
 @pytest.mark.parametrize(("kind", "inner"), [("taut", 1), ("plain", 1), ("taut", 3), ("plain", 4)])
 def test_motion_under_a_collector_is_of_the_second_order_in_the_step(kind: str, inner: int) -> None:
     found, time = [], 0.1 if kind == "taut" else 0.04  # s; axial waves are fast
     for factor in (1, 2, 4):
-        bound = string(kind, inner=inner)
+        bound = collected(kind, inner)
         bound.advance(96 * factor, time / (96 * factor))
         found.append(bound.state.position.copy())
     order = np.log2(np.linalg.norm(found[0] - found[1]) / np.linalg.norm(found[1] - found[2]))
@@ -75,17 +52,17 @@ def test_motion_under_a_collector_is_of_the_second_order_in_the_step(kind: str, 
 @pytest.mark.parametrize("inner", [1, 4])
 @pytest.mark.parametrize("kind", ["taut", "plain"])
 def test_bits_are_the_same_in_all_variants_and_divisions(kind: str, inner: int) -> None:
-    whole = string(kind, inner=inner)
+    whole = collected(kind, inner)
     whole.advance(300, 2.0**-11)
     for variant in variants():
-        parts = string(kind, inner=inner)
+        parts = collected(kind, inner)
         for _ in range(10):
             parts.advance(30, 2.0**-11, variant)
         np.testing.assert_array_equal(parts.state.memory, whole.state.memory)
 
 
 def test_records_are_what_was_before_each_step() -> None:
-    recorded, followed = string("plain"), string("plain")
+    recorded, followed = collected("plain"), collected("plain")
     force, _ = recorded.record(150, 4e-4)  # more than a call records
     np.testing.assert_array_equal(recorded.state.memory, followed_by(followed, 150).state.memory)
     assert force.shape == (1, 150)
