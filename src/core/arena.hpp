@@ -160,6 +160,9 @@ struct State {
     }
 };
 
+// A node of a run that is like most of its inner ones.
+inline I64 typical_node(const State& s, I64 run) { return s.run_first[run] + (s.run_links[run] + 1) / 3; }
+
 struct Workspace {
 #define DIMENSION(...)
 #define MODEL(...)

@@ -188,13 +188,13 @@ static bool differs(const Model& m, I64 i, I64 j) {
     return false;
 }
 
-// List the nodes inside runs that differ from the second node of their run.
+// List the nodes inside runs that differ from the typical node of their run.
 static void find_odd_nodes(const Model& m, const State& s, Workspace& w) {
     I64 count = 0;
     for (I64 r = 0; r < m.runs; r++) {
-        const I64 first = s.run_first[r];
-        for (I64 i = first + 2; i < first + s.run_links[r]; i++)
-            if (differs(m, i, first + 1)) w.odd[count++] = i;
+        const I64 first = s.run_first[r], typical = typical_node(s, r);
+        for (I64 i = first + 1; i < first + s.run_links[r]; i++)
+            if (differs(m, i, typical)) w.odd[count++] = i;
         w.run_odd[r] = count;
     }
 }

@@ -101,7 +101,7 @@ struct Sweep {
           step(step_),
           p(links_of(model, run)),
           part(part_),
-          others(model, state.run_first[run] + 1) {
+          others(model, typical_node(state, run)) {
         first = s.run_first[run], links = s.run_links[run];
         is_pulled = w.run_pulled[run];
         odd = odd_of(w, run), odd_end = w.odd.data + w.run_odd[run];

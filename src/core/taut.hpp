@@ -14,6 +14,7 @@ class Taut {
     const Step& step;
     const bool is_pulled;
     const I64 row, first, links;  // row: of the axis that nodes move along
+    const I64 typical;            // entry of a node that is like most
     const double tension, bending;
     const I64* odd;  // the next node with a mobility or weight of its own
     const I64* const odd_end;
@@ -28,6 +29,7 @@ class Taut {
           row((AXES - 1) * model.stride),
           first(state.run_first[run]),
           links(state.run_links[run]),
+          typical(row + typical_node(state, run)),
           tension(links_of(model, run).tension),
           bending(plain_moment(links_of(model, run))),
           odd(odd_of(work, run)),
@@ -89,7 +91,7 @@ class Taut {
     }
     void kick_nodes(I64 i, I64 end) {
         const Numbers by{tension + 4.0 * bending, 2.0 * tension + 6.0 * bending, bending,
-                         step.kick * m.mobility[row + first + 1], m.weight[row + first + 1]};
+                         step.kick * m.mobility[typical], m.weight[typical]};
         if (i == 1) kick_alone(by, 1, force_near_end(1)), i++;
         const I64 inside = end == links && end > 2 ? end - 1 : end;
         while (i < inside) {
