@@ -31,11 +31,12 @@ struct Motion {
         for (*done = 0; *done < steps; ++*done) {
             if (team.leads() && !(w.halted[0] = *stop != 0)) record(*done), begin_step(dt, part, inner);
             for (I64 i = 0; i < inner; i++) {
-                const double kick = i == 0 ? s.lag[0] + 0.5 * part : part;
-                const Step step{kick, part, 0.5 * part / kick};
-                if (team.leads()) pull_bands(0, m.nodes, m.parts);
+                if (team.leads() && !w.halted[0]) pull_bands(0, m.nodes, m.parts);
                 team.meet();
                 if (w.halted[0]) return STOPPED;
+                // behind the meeting: the first thread has ended the step before
+                const double kick = i == 0 ? s.lag[0] + 0.5 * part : part;
+                const Step step{kick, part, 0.5 * part / kick};
                 for (I64 k = team.thread; k < m.parts; k += team.threads) sweep_part(step, k);
                 team.meet();
                 if (team.leads()) move_rest(step);
