@@ -3,11 +3,13 @@ the same bits everywhere."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.engine.bound import Bound
-from ropewalk.engine.builder import Builder, FreePlayProperties, RunProperties, SpringProperties
+from ropewalk.engine.builder import Builder, ContactProperties, FreePlayProperties, RunProperties, SpringProperties
 
 Array = NDArray[np.float64]
 ROPE = RunProperties(link_length=0.5, line_mass=1.0, axial_stiffness=1e4)
@@ -64,6 +66,25 @@ def tripod(axes: int = 3, damping: float = 0.0, ties: bool = True) -> Bound:
         builder.fix(held)
         builder.join(begin, knot)
     return Bound(*builder.build())
+
+
+def loaded(axes: int = 2, run: RunProperties = ROPE, place: float = 17.2) -> Bound:
+    """A rope in two runs under a force, a clamped mass that comes to the joint, and a head that is pushed against the
+    rope from below. A force at 22.2 links shares links with the mass."""
+    builder, places = Builder(axes), parabola(0.0, 19.8, 40, 0.8, axes)
+    first, _ = (left := builder.add_run(places[:, :25], replace(run, continues=True)))
+    again, last = builder.add_run(places[:, 24:], run)
+    builder.fix(first, last)
+    builder.join(again, left[1])
+    mass, head = builder.add_node(places[:, 23], 5.0), builder.add_node(places[:, 32], 2.0)
+    builder.fix(head, axes=range(axes - 1))
+    builder.push(head, [*[0.0] * (axes - 1), 60.0])
+    builder.add_force(0, [*[0.0] * (axes - 1), -150.0], place * run.link_length, 6.0)
+    builder.add_contact(0, mass, 23.0 * run.link_length, 12.0)
+    builder.add_contact(1, head, 8.0 * run.link_length, 0.0, ContactProperties(2e4, "below", True))
+    model, state = builder.build(step=2.0**-13)
+    state.velocity[0, mass] = 12.0
+    return Bound(model, state)
 
 
 def loose(axes: int = 2, damping: float = 0.0) -> Bound:
@@ -129,6 +150,9 @@ STRUCTURES = {
     "tension only": lambda: rope(run=RunProperties(0.5, 1.0, 1e4, tension_only=True), links=257),
     "bridge": bridge, "damped bridge in space": lambda: bridge(3, 30.0),
     "bridge under a force": lambda: bridge(force=-500.0), "tripod": tripod, "damped tripod": lambda: tripod(2, 5.0),
+    "loads": loaded, "loads in space": lambda: loaded(3, RunProperties(0.5, 1.0, 1e4, 20.0, 40.0)),
+    "loads on straight links": lambda: loaded(2, RunProperties(0.5, 1.0, 1e4, tension_only=True, curved=False)),
+    "loads that share links": lambda: loaded(place=22.2),
     "free play": loose, "damped free play in space": lambda: loose(3, 20.0),
     "net under a force": lambda: net((9, 4), force=50.0),
     "damped free net": lambda: net((142, 3), damping=0.7, free=True, side=0.25),

@@ -99,6 +99,14 @@ RW_EXPORT I64 rw_energies(char* const* bases, double* energies) {
     return 0;
 }
 
+// Of contacts, at the positions of the State: (row, contact) of force on the run (axis), point of the load (axis), and
+// the change of all energy with the place.
+RW_EXPORT I64 rw_contacts(char* const* bases, double* values) {
+    if (!baseline::are_bound(blocks_of(bases))) return -1;
+    baseline::evaluate_contacts(blocks_of(bases), values);
+    return 0;
+}
+
 RW_EXPORT I64 rw_entries(char* const* bases) {
     return baseline::are_bound(blocks_of(bases)) ? baseline::count_entries(blocks_of(bases)) : -1;
 }

@@ -15,7 +15,7 @@ enum Dimension : I64 {
     DIMENSIONS
 };
 enum class Part : I64 { MODEL, STATE, WORK };
-enum class Values : I64 { FINITE, NOT_NEGATIVE, POSITIVE, FLAG, COUNT, NODE, RUN };
+enum class Values : I64 { FINITE, NOT_NEGATIVE, POSITIVE, FLAG, COUNT, NODE, RUN, OPTION };
 
 // The table as text: what Python reads, and what the seal of every block is made of.
 constexpr char TABLE[] =
@@ -60,8 +60,9 @@ constexpr I64 MARGIN = 16;  // numbers behind every row, and around those of the
 constexpr I64 SCRATCH_ROWS = 5;  // for each axis
 constexpr I64 SCRATCH_ROW = BLOCK + 2 * MARGIN;
 constexpr I64 SCRATCH_SIZE = 3 * SCRATCH_ROWS * SCRATCH_ROW;
-constexpr I64 SHARED = 8;    // nodes that share the point of a contact, one after the other
-constexpr I64 HEADER = 256;  // bytes
+constexpr I64 SHARED = 8;         // nodes that share the point of a contact, one after the other
+constexpr I64 RECORD_SIZE = 112;  // numbers of the record of a contact
+constexpr I64 HEADER = 256;       // bytes
 
 struct Header {
     U64 seal;

@@ -1,8 +1,7 @@
 #include "assembly.hpp"
 
+#include "contacts.hpp"
 #include "elements.hpp"
-#include "link.hpp"
-#include "stencil.hpp"
 
 namespace RW_VARIANT {
 
@@ -38,30 +37,51 @@ static void visit_elements(const Model& m, const State& s, Visit visit) {
     visit_others<AXES>(m, s, visit);
 }
 
-// Weights of nodes, and the forces of loads where their contacts are.
-static void set_loads(const Model& m, const State& s, double* forces) {
+static void set_weights(const Model& m, double* forces) {
     for (I64 axis = 0; axis < m.axes; axis++)
         for (I64 i = 0; i < m.nodes; i++) forces[axis * m.nodes + i] = m.weight[axis * m.stride + i];
-    for (I64 k = 0; k < m.contacts; k++) {
-        const Share share = share_of(m, s, k);
-        for (I64 axis = 0; axis < m.axes; axis++) {
-            const double force = m.contact_force[axis * stride_of(m.contacts) + k];
-            for (I64 j = 0; j < share.count; j++) forces[axis * m.nodes + share.first + j] += share.weight[j] * force;
-        }
-    }
 }
 
 template <int AXES>
 struct Assembly {
     const Model m;
     const State s;
+    mutable Workspace w;
     const Context c;
 
-    explicit Assembly(const Blocks& blocks) : m(blocks.model), s(blocks.state), c{s.time[0], 0.0} {}
+    explicit Assembly(const Blocks& blocks) : m(blocks.model), s(blocks.state), w(blocks.work), c{s.time[0], 0.0} {}
+
+    // Elements of links, springs and contacts; these are found first.
+    void visit(auto call) const {
+        visit_elements<AXES>(m, s, call);
+        const Contacts<AXES> contacts{m, s, w};
+        contacts.find();
+        for (I64 k = 0; k < m.contacts; k++) {
+            I64 nodes[Contacts<AXES>::NODES_OF];
+            contacts.nodes_of(contacts.record(k), m.contact_body[k], nodes);
+            call.template operator()<Touch<AXES>>(contacts.record(k), nodes);
+        }
+    }
+
+    void evaluate(double* values) const {
+        const Contacts<AXES> contacts{m, s, w};
+        contacts.find();
+        for (I64 k = 0; k < m.contacts; k++) {
+            Record& r = contacts.record(k);
+            double x[Touch<AXES>::UNKNOWNS];
+            contacts.gather_at(r, k, s.position, x);
+            Touch<AXES>::note(r, x);
+            for (I64 axis = 0; axis < AXES; axis++) {
+                values[axis * m.contacts + k] = r.force[axis];
+                values[(AXES + axis) * m.contacts + k] = r.tip[axis];
+            }
+            values[2 * AXES * m.contacts + k] = r.push;
+        }
+    }
 
     void forces(const double* velocities, double* forces) const {
-        set_loads(m, s, forces);
-        visit_elements<AXES>(m, s, [&]<class E>(const auto& p, const I64* nodes) {
+        set_weights(m, forces);
+        visit([&]<class E>(const auto& p, const I64* nodes) {
             double x[E::UNKNOWNS], v[E::UNKNOWNS], f[E::UNKNOWNS]{};
             gather<E, AXES>(s.position, m.stride, nodes, x);
             gather<E, AXES>(velocities, m.nodes, nodes, v);
@@ -72,7 +92,7 @@ struct Assembly {
 
     void energies(double* energies) const {
         energies[0] = energies[1] = 0.0;
-        visit_elements<AXES>(m, s, [&]<class E>(const auto& p, const I64* nodes) {
+        visit([&]<class E>(const auto& p, const I64* nodes) {
             double x[E::UNKNOWNS];
             gather<E, AXES>(s.position, m.stride, nodes, x);
             energies[0] += E::energy(p, c, x);
@@ -84,14 +104,13 @@ struct Assembly {
 
     I64 entries() const {
         I64 count = 0;
-        visit_elements<AXES>(
-            m, s, [&]<class E>(const auto&, const I64*) { count += static_cast<I64>(E::UNKNOWNS) * E::UNKNOWNS; });
+        visit([&]<class E>(const auto&, const I64*) { count += static_cast<I64>(E::UNKNOWNS) * E::UNKNOWNS; });
         return count;
     }
 
     void matrices(const double* velocities, double* forces, I64* rows, I64* columns, double* K, double* C) const {
-        set_loads(m, s, forces);
-        visit_elements<AXES>(m, s, [&]<class E>(const auto& p, const I64* nodes) {
+        set_weights(m, forces);
+        visit([&]<class E>(const auto& p, const I64* nodes) {
             constexpr int N = E::UNKNOWNS;
             double x[N], v[N], f[N];
             gather<E, AXES>(s.position, m.stride, nodes, x);
@@ -121,6 +140,10 @@ void add_forces(const Blocks& blocks, const double* velocities, double* forces) 
 
 void sum_energies(const Blocks& blocks, double* energies) {
     with_assembly(blocks, [&](const auto& all) { all.energies(energies); });
+}
+
+void evaluate_contacts(const Blocks& blocks, double* values) {
+    with_assembly(blocks, [&](const auto& all) { all.evaluate(values); });
 }
 
 I64 count_entries(const Blocks& blocks) {

@@ -10,6 +10,9 @@ namespace RW_VARIANT {
 void add_forces(const Blocks& blocks, const double* velocities, double* forces);
 // Energies, J: of elements, of weights.
 void sum_energies(const Blocks& blocks, double* energies);
+// Of contacts (row, contact): force on the run, N, and point of the load, m, by axes; change of all energy with the
+// place, N.
+void evaluate_contacts(const Blocks& blocks, double* values);
 // Number of the entries of the matrices.
 I64 count_entries(const Blocks& blocks);
 // Entries of K and C with their rows and columns, axis * nodes + node; forces as above.

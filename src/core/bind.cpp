@@ -2,6 +2,7 @@
 
 #include "elementary.hpp"
 #include "elements.hpp"
+#include "stencil.hpp"
 
 namespace RW_VARIANT {
 
@@ -9,7 +10,7 @@ constexpr U64 SEAL = seal_of(TABLE);
 constexpr I64 LARGEST = 1ll << 31;
 
 bool complete(I64* counts) {
-    counts[ONE] = 1, counts[SCRATCH] = SCRATCH_SIZE, counts[STENCIL] = SHARED;
+    counts[ONE] = 1, counts[SCRATCH] = SCRATCH_SIZE, counts[RECORD] = RECORD_SIZE;
     for (int i = 0; i < DIMENSIONS; i++)
         if (counts[i] < 0 || counts[i] > LARGEST) return false;
     if (counts[PARTS] == 0) counts[PARTS] = 1;
@@ -45,6 +46,7 @@ static Fault fault_of(const Field& field, const char* at, const I64* counts) {
     }
     const I64 x = *reinterpret_cast<const I64*>(at);
     if (field.values == Values::NODE) return x >= 0 && x < counts[NODES] ? Fault::NONE : Fault::INDEX;
+    if (field.values == Values::OPTION) return x >= -1 && x < counts[NODES] ? Fault::NONE : Fault::INDEX;
     if (field.values == Values::RUN) return x >= 0 && x < counts[RUNS] ? Fault::NONE : Fault::INDEX;
     return x >= 0 && x <= (field.values == Values::FLAG ? 1 : LARGEST) ? Fault::NONE : Fault::VALUE;
 }
@@ -179,10 +181,15 @@ static void prepare(const Model& m, const State& s, Workspace& w) {
     for (I64 part = 0; part < m.parts; part++) w.arrived[part * stride_of(1)] = 0;
     for (I64 band = 0; band < m.bands; band++) w.band_part[band] = part_of(m, s, band);
     for (I64 r = 0; r < m.runs; r++) w.run_pulled[r] = 0, w.run_uniform[r] = is_uniform(m, s, r);
-    for (I64 k = 0; k < m.contacts; k++) w.run_pulled[m.contact_run[k]] = 1;
+    for (I64 i = 0; i < m.nodes; i++) w.link_kink[i] = 0.0, w.link_contacts[i] = 0;
     const auto pull = [&](I64 node) {
         if (const I64 run = run_around(m, s, node); run >= 0) w.run_pulled[run] = 1;
     };
+    for (I64 k = 0; k < m.contacts; k++) {
+        I64 run = first_run_of(m, m.contact_run[k]);
+        for (; w.run_pulled[run] = 1, goes_on(m, run); run++) continue;
+        pull(m.contact_body[k]);
+    }
     for (I64 k = 0; k < m.springs; k++) pull(m.spring_begin[k]), pull(m.spring_end[k]);
     visit_others<2>(m, s, [&]<class E>(const auto&, const I64* nodes) {
         for (int i = 0; i < E::UNKNOWNS / 2; i++) pull(nodes[i]);

@@ -15,23 +15,22 @@ struct Context {
     double time, step;
 };
 
-// Force f, stiffness K = -df/dx and damping C = -df/dv (unknown, unknown) of an element.
+// Force f, stiffness K = -df/dx and damping C = -df/dv (unknown, unknown) of an element. Derivatives with respect to
+// some unknowns at a time, so that dual numbers of large elements stay small.
 template <class E, class Parameters>
 void linearise(const Parameters& p, const Context& c, const double* x, const double* v, double* f, double* K,
                double* C) {
-    constexpr int N = E::UNKNOWNS;
-    Dual<2 * N> at[N], rate[N], force[N];
-    for (int i = 0; i < N; i++) {
-        at[i] = Dual<2 * N>(x[i], i);
-        rate[i] = Dual<2 * N>(v[i], N + i);
-        force[i] = 0.0;
-    }
-    E::force(p, c, at, rate, force);
-    for (int i = 0; i < N; i++) {
-        f[i] = force[i].value;
-        for (int j = 0; j < N; j++) {
-            K[i * N + j] = -force[i].slope[j];
-            C[i * N + j] = -force[i].slope[N + j];
+    constexpr int N = E::UNKNOWNS, SOME = 2 * N < 24 ? 2 * N : 24;
+    for (int begin = 0; begin < 2 * N; begin += SOME) {
+        Dual<SOME> at[N], rate[N], force[N];
+        for (int i = 0; i < N; i++) at[i] = x[i], rate[i] = v[i], force[i] = 0.0;
+        for (int j = 0; j < SOME && begin + j < 2 * N; j++)
+            (begin + j < N ? at[begin + j] : rate[begin + j - N]).slope[j] = 1.0;
+        E::force(p, c, at, rate, force);
+        for (int i = 0; i < N; i++) {
+            f[i] = force[i].value;
+            for (int j = begin; j < begin + SOME && j < 2 * N; j++)
+                (j < N ? K[i * N + j] : C[i * N + j - N]) = -force[i].slope[j - begin];
         }
     }
 }

@@ -111,23 +111,48 @@ template <int AXES>
 struct Curved {
     static constexpr int UNKNOWNS = 4 * AXES;
 
-    // Of a link with chord c and rate of it, second differences a and b: force on its first node, and what acts
-    // against its second differences.
-    template <bool VISCOUS, class S>
-    static inline void resist(const Links& p, const S* c, const S* rate, const S* a, const S* b, S* first, S* against_a,
-                              S* against_b) {
-        S square{}, along{}, bends{};
+    // Square of the length of a link with chord c and second differences a and b.
+    template <class S>
+    static inline S square_of(const S* c, const S* a, const S* b) {
+        S square{}, bends{};
         for (int i = 0; i < AXES; i++) {
             square = square + c[i] * c[i];
             bends = bends + (a[i] * a[i] + b[i] * (b[i] - a[i]));
-            if constexpr (VISCOUS) along = along + c[i] * rate[i];
         }
-        const Pull<S> q = pull<VISCOUS>(p.axial, square + bends * (1.0 / 12.0), along);
-        const S w = q.elastic * (1.0 / 24.0) + p.bending;
+        return square + bends * (1.0 / 12.0);
+    }
+
+    // Force on its first node, and what acts against its second differences.
+    template <class S>
+    static inline void act(const Pull<S>& q, double bending, const S* c, const S* a, const S* b, S* first, S* against_a,
+                           S* against_b) {
+        const S w = q.elastic * (1.0 / 24.0) + bending;
         for (int i = 0; i < AXES; i++) {
             first[i] = q.total * c[i];
-            against_a[i] = w * ((a[i] + a[i]) - b[i]) + (2.0 * p.bending) * a[i];
-            against_b[i] = w * ((b[i] + b[i]) - a[i]) + (2.0 * p.bending) * b[i];
+            against_a[i] = w * ((a[i] + a[i]) - b[i]) + (2.0 * bending) * a[i];
+            against_b[i] = w * ((b[i] + b[i]) - a[i]) + (2.0 * bending) * b[i];
+        }
+    }
+
+    // Both, of a link with chord c and rate of it.
+    template <bool VISCOUS, class S>
+    static inline void resist(const Links& p, const S* c, const S* rate, const S* a, const S* b, S* first, S* against_a,
+                              S* against_b) {
+        S along{};
+        if constexpr (VISCOUS)
+            for (int i = 0; i < AXES; i++) along = along + c[i] * rate[i];
+        act(pull<VISCOUS>(p.axial, square_of(c, a, b), along), p.bending, c, a, b, first, against_a, against_b);
+    }
+
+    // Add these to the forces f on its four nodes.
+    template <class S>
+    static void distribute(const Links& p, const S* first, const S* against_a, const S* against_b, S* f) {
+        for (int i = 0; i < AXES; i++) {
+            const S m = p.begins ? S(0.0) : against_a[i], n = p.ends ? S(0.0) : against_b[i];
+            f[i] = f[i] - m;
+            f[AXES + i] = f[AXES + i] + (first[i] + (m + m) - n);
+            f[2 * AXES + i] = f[2 * AXES + i] - (first[i] + m - (n + n));
+            f[3 * AXES + i] = f[3 * AXES + i] - n;
         }
     }
 
@@ -151,13 +176,7 @@ struct Curved {
             rate[i] = v[2 * AXES + i] - v[AXES + i];
         }
         resist<true>(p, c, rate, a, b, first, against_a, against_b);
-        for (int i = 0; i < AXES; i++) {
-            const S m = p.begins ? S(0.0) : against_a[i], n = p.ends ? S(0.0) : against_b[i];
-            f[i] = f[i] - m;
-            f[AXES + i] = f[AXES + i] + (first[i] + (m + m) - n);
-            f[2 * AXES + i] = f[2 * AXES + i] - (first[i] + m - (n + n));
-            f[3 * AXES + i] = f[3 * AXES + i] - n;
-        }
+        distribute(p, first, against_a, against_b, f);
     }
 
     template <class S>

@@ -5,8 +5,8 @@
 #pragma once
 
 #include "band.hpp"
+#include "contacts.hpp"
 #include "elements.hpp"
-#include "stencil.hpp"
 #include "sweep.hpp"
 #include "team.hpp"
 
@@ -38,8 +38,7 @@ struct Motion {
     void begin_step(double dt) {
         pull_springs();
         add_others();
-        press_contacts();
-        sum_work(s.lag[0] + 0.5 * dt);
+        press_contacts(s.lag[0] + 0.5 * dt);
         pull_bands(0, m.nodes, m.parts);
     }
 
@@ -67,7 +66,6 @@ struct Motion {
         join(s.position, false);
         join(s.velocity, false);
         if constexpr (VISCOUS) join(s.predicted, false);
-        sum_work(kick);
         for (I64 k = 0; k < m.contacts; k++) s.contact_place[k] += dt * s.contact_speed[k];
         s.time[0] += dt;
         s.lag[0] = 0.5 * dt;
@@ -120,32 +118,34 @@ struct Motion {
         });
     }
 
-    // Locate all contacts, and add the forces of loads to the nodes that share them.
-    void press_contacts() {
+    // Find all contacts, and add their forces to those on nodes.
+    void press_contacts(double kick) {
+        using Element = Touch<AXES>;
+        const Contacts<AXES> contacts{m, s, w};
+        contacts.find();
         for (I64 k = 0; k < m.contacts; k++) {
-            const Share share = share_of(m, s, k);
-            w.contact_first[k] = share.first, w.contact_shared[k] = share.count;
-            for (I64 j = 0; j < share.count; j++) {
-                w.contact_weight[at(j, k)] = share.weight[j];
-                for (int axis = 0; axis < AXES; axis++)
-                    w.force[axis * m.stride + share.first + j] += share.weight[j] * m.contact_force[at(axis, k)];
-            }
+            Record& r = contacts.record(k);
+            I64 nodes[Contacts<AXES>::NODES_OF];
+            double x[Element::UNKNOWNS], v[Element::UNKNOWNS]{}, f[Element::UNKNOWNS]{};
+            contacts.nodes_of(r, m.contact_body[k], nodes);
+            gather<Element, AXES>(s.position, m.stride, nodes, x);
+            if constexpr (VISCOUS) gather<Element, AXES>(s.predicted, m.stride, nodes, v);
+            Element::template force<double>(r, Context{s.time[0], 0.0}, x, v, f);
+            scatter<Element, AXES>(f, m.stride, nodes, w.force);
+            Element::note(r, x);
+            sum_work(r, k, kick);
         }
     }
-    I64 at(I64 row, I64 contact) const { return row * stride_of(m.contacts) + contact; }
 
-    // Half of the work that loads do in a kick, with the velocities of now.
-    void sum_work(double kick) {
-        for (I64 k = 0; k < m.contacts; k++) {
-            double power = 0.0;
-            for (I64 j = 0; j < w.contact_shared[k]; j++) {
-                for (int axis = 0; axis < AXES; axis++) {
-                    const double v = s.velocity[axis * m.stride + w.contact_first[k] + j];
-                    power += w.contact_weight[at(j, k)] * m.contact_force[at(axis, k)] * v;
-                }
-            }
-            s.contact_work[k] += 0.5 * kick * power;
-        }
+    // Work of what moves a contact along, and of what makes its kink softer meanwhile.
+    void sum_work(const Record& r, I64 k, double kick) {
+        s.contact_work[k] += kick * r.push * r.speed;
+        const double before = s.contact_bent[k];
+        if (r.state == Touching::YES && before >= 0.0)
+            s.contact_work[k] += 0.25 * (r.softer + s.contact_softer[k]) * (r.square - before);
+        s.contact_bent[k] = r.state == Touching::YES ? r.square : -1.0;
+        s.contact_softer[k] = r.softer;
+        if (r.state == Touching::YES) s.contact_kink[k] = r.K;
     }
 
     // Add values of copies to those of the original nodes and clear them, or give copies the values of the originals.

@@ -6,7 +6,6 @@
 #pragma once
 
 #include "arena.hpp"
-#include "dual.hpp"
 
 namespace RW_VARIANT {
 
@@ -21,6 +20,22 @@ inline Cell locate(I64 links, double x) {
     const I64 link = static_cast<I64>(x > 0.0 ? (x < last ? x : last) : 0.0);
     const I64 first = link - 3 < links + 1 - SHARED ? link - 3 : links + 1 - SHARED;
     return {links, link, first > 0 ? first : 0};
+}
+
+// A function of a place: its value, and its first two derivatives.
+struct Jet {
+    double value, first, second;
+
+    Jet() = default;
+    Jet(double constant) : value(constant), first(0.0), second(0.0) {}
+    Jet(double a, double b, double c) : value(a), first(b), second(c) {}
+};
+inline Jet operator+(const Jet& x, const Jet& y) { return {x.value + y.value, x.first + y.first, x.second + y.second}; }
+inline Jet operator-(const Jet& x) { return {-x.value, -x.first, -x.second}; }
+inline Jet operator*(const Jet& x, double y) { return {x.value * y, x.first * y, x.second * y}; }
+inline Jet operator*(const Jet& x, const Jet& y) {
+    return {x.value * y.value, x.first * y.value + x.value * y.first,
+            x.second * y.value + 2.0 * x.first * y.first + x.value * y.second};
 }
 
 // Quintic B-splines of the six nodes around a link at the part f of it.
@@ -56,27 +71,16 @@ inline void add_control(const Cell& cell, I64 j, const S& w, S* weight) {
 template <class S>
 inline void weigh(const Cell& cell, const S& x, S* weight) {
     S basis[6];
-    quintic(x - static_cast<double>(cell.link), basis);
+    quintic(x + S(-static_cast<double>(cell.link)), basis);
     for (int k = 0; k < SHARED; k++) weight[k] = S(0.0);
     for (int i = 0; i < 6; i++) add_control(cell, cell.link - 2 + i, basis[i], weight);
 }
 
-// Nodes first, first + 1 ... first + count - 1 that share a contact, and their weights; none if it is beyond its run.
-struct Share {
-    I64 first, count;
-    double weight[SHARED];
-};
-
-inline Share share_of(const Model& m, const State& s, I64 contact) {
-    const I64 run = m.contact_run[contact], links = s.run_links[run];
-    const double x = s.contact_place[contact] / m.link_length[run];
-    Share share{};
-    if (!(x >= 0.0 && x <= static_cast<double>(links))) return share;
-    const Cell cell = locate(links, x);
-    weigh(cell, x, share.weight);
-    share.first = s.run_first[run] + cell.first;
-    share.count = links + 1 - cell.first < SHARED ? links + 1 - cell.first : SHARED;
-    return share;
+// Whether the line of a run goes on with the next one, and the first run of its line.
+inline bool goes_on(const Model& m, I64 run) { return m.run_continues[run] && run + 1 < m.runs; }
+inline I64 first_run_of(const Model& m, I64 run) {
+    while (run > 0 && m.run_continues[run - 1]) run--;
+    return run;
 }
 
 }  // namespace RW_VARIANT

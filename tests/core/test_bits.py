@@ -23,12 +23,16 @@ HASHES = {
     "tension only": "c7f53be8223f99d1",
     "bridge": "a14e64ae9000e8e8",
     "damped bridge in space": "9b4c2f0043a6df35",
-    "bridge under a force": "dbf7ae0bc2112477",
+    "bridge under a force": "a6fb48f14071e025",
     "tripod": "ba481401520e0ea1",
     "damped tripod": "eb7dd026cbf0b587",
+    "loads": "9eb247f1d3ca2578",
+    "loads in space": "339e9276836802f5",
+    "loads on straight links": "58ee9afd9461c192",
+    "loads that share links": "55e586466cf56c2b",
     "free play": "6bbb3651fc1d8dfc",
     "damped free play in space": "b9c4872f0e615454",
-    "net under a force": "97e07dddbf323754",
+    "net under a force": "96f38fe6daa1599c",
     "damped free net": "a4d4a63a134f72e5",
 }
 """Of positions and velocities: of every processor, compiler and variant. New structures add a line."""

@@ -78,7 +78,7 @@ def test_every_field_is_checked_for_numbers() -> None:
         sound = next(each for each in kinds if all(each.model.sizes[name] for name in (field.rows, field.columns)))
         model, state = sound.model.copy(), sound.state.copy()
         view = getattr(model if field.part == "MODEL" else state, field.name)
-        view.flat[view.size - 1] = np.nan if field.kind == "double" else -1
+        view.flat[view.size - 1] = np.nan if field.kind == "double" else -2
         with pytest.raises(RopewalkError, match=rf"^{field.name}\["):
             Bound(model, state)
 

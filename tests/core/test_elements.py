@@ -12,6 +12,8 @@ from ropewalk.engine.builder import RunProperties
 
 Array = NDArray[np.float64]
 KINDS = pytest.mark.parametrize("kind", STRUCTURES)
+APART = pytest.mark.parametrize("kind", [each for each in STRUCTURES if "share" not in each])
+"""Contacts that share links have exact forces; in K each sees the kinks of the others as constant."""
 
 
 def shaken(kind: str) -> tuple[Bound, Array]:
@@ -24,7 +26,7 @@ def shaken(kind: str) -> tuple[Bound, Array]:
     return bound, velocities
 
 
-@KINDS
+@APART
 def test_stiffness_and_damping_are_difference_quotients_of_forces(kind: str) -> None:
     bound, velocities = shaken(kind)
     at, position = bound.linearise(velocities), bound.state.position
@@ -42,9 +44,10 @@ def test_stiffness_and_damping_are_difference_quotients_of_forces(kind: str) -> 
         np.testing.assert_allclose(quotient, expected, rtol=0, atol=2e-8 * abs(at.stiffness).max())
 
 
-@pytest.mark.parametrize("kind", [each for each in STRUCTURES if "force" not in each])
+@KINDS
 def test_forces_are_the_gradient_of_the_energy(kind: str) -> None:
     bound, _ = shaken(kind)
+    bound.state.contact_speed[:] = 0.0
     forces, position, step = bound.forces(), bound.state.position, 1e-6
     way = np.random.default_rng(3).normal(size=position.shape)
     kept, sides = position.copy(), []
@@ -54,9 +57,10 @@ def test_forces_are_the_gradient_of_the_energy(kind: str) -> None:
     assert (sides[1] - sides[0]) / (2.0 * step) == pytest.approx(float(np.sum(forces * way)), rel=1e-7)
 
 
-@KINDS
+@APART
 def test_matrices_are_symmetric_and_damping_takes_energy(kind: str) -> None:
     bound, velocities = shaken(kind)
+    bound.state.contact_speed[:] = 0.0  # what makes a moving kink softer has no potential
     at = bound.linearise()
     assert abs(at.stiffness - at.stiffness.T).max() <= 1e-12 * abs(at.stiffness).max()
     assert abs(at.damping - at.damping.T).max() <= 1e-12 * abs(at.damping).max()

@@ -32,7 +32,19 @@ class Potentials(NamedTuple):
     """Potential energies of a structure, J."""
 
     elastic: float
+    """Of all elements; contacts with the potential of the forces that are given there."""
     weight: float
+
+
+class ContactForces(NamedTuple):
+    """Contacts at a state."""
+
+    force: Array
+    """(axis, contact) of the load on its run, N."""
+    point: Array
+    """(axis, contact) where it acts, m; zero where a contact is off its run."""
+    driving: Array
+    """(contact,) force that moves a contact along its run: change of all energy with its place, N."""
 
 
 class TangentMatrices(NamedTuple):
@@ -126,6 +138,13 @@ class Bound:
         library().rw_energies(self._bases, found.ctypes.data)
         return Potentials(*found.tolist())
 
+    def contacts(self) -> ContactForces:
+        """Return the forces of contacts at the positions of the State."""
+        axes, count = self.model.sizes["AXES"], self.model.sizes["CONTACTS"]
+        values = np.zeros((2 * axes + 1, count))
+        library().rw_contacts(self._bases, values.ctypes.data)
+        return ContactForces(values[:axes], values[axes : 2 * axes], values[2 * axes])
+
     def kinetic_energy(self) -> float:
         """Return the kinetic energy at the instant of the positions, J."""
         moves = self.model.mobility > 0.0
@@ -184,6 +203,7 @@ _FAULTS = {
 _ADMITTED = {
     "FINITE": "finite numbers", "NOT_NEGATIVE": "finite numbers that are not negative", "POSITIVE": "positive numbers",
     "FLAG": "0 or 1", "COUNT": "whole numbers that are not negative", "NODE": "nodes", "RUN": "runs",
+    "OPTION": "nodes, or -1",
 }  # fmt: skip
 
 

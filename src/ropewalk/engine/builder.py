@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,6 +27,20 @@ class RunProperties:
     bending_stiffness: float = 0.0
     tension_only: bool = False
     curved: bool = True
+    continues: bool = False
+    """Whether contacts pass from its end to the run that is added next."""
+
+
+@dataclass(frozen=True)
+class ContactProperties:
+    """How a body touches a run."""
+
+    stiffness: float = np.inf
+    """Of the contact itself, N/m; infinite: as stiff as the run lets it be."""
+    leaves: Literal["above", "below"] | None = None
+    """Side of the run to which the body can leave it: the contact only pushes."""
+    slides: bool = False
+    """Without friction, held across the run only; something else moves the body along."""
 
 
 @dataclass(frozen=True)
@@ -57,10 +71,11 @@ class Builder:
     _points: list[Array] = field(default_factory=list)
     _masses: list[Array] = field(default_factory=list)
     _added: list[tuple[int, float]] = field(default_factory=list)
+    _pushes: list[tuple[int, Array]] = field(default_factory=list)
     _fixed: dict[int, Array] = field(default_factory=dict)
     _runs: list[tuple[int, int, RunProperties]] = field(default_factory=list)
     _elements: dict[str, list[dict[str, Any]]] = field(default_factory=lambda: defaultdict(list))
-    _forces: list[tuple[int, Array, float, float]] = field(default_factory=list)
+    _contacts: list[dict[str, Any]] = field(default_factory=list)
     _joints: list[tuple[int, int]] = field(default_factory=list)
 
     def add_node(self, point: ArrayLike, mass: float) -> int:
@@ -95,6 +110,10 @@ class Builder:
     def add_mass(self, node: int, mass: float) -> None:
         """Add a point mass, kg, at a node."""
         self._added.append((node, mass))
+
+    def push(self, node: int, force: ArrayLike) -> None:
+        """Add a constant force (axis,), N, on a node."""
+        self._pushes.append((node, np.asarray(force, dtype=float)))
 
     def add_spring(self, begin: int, end: int, spring: SpringProperties) -> None:
         """Add a spring between two nodes."""
@@ -132,17 +151,36 @@ class Builder:
             place: unstrained length up to it at the beginning, m.
             speed: rate of that, m/s.
         """
-        self._forces.append((run, np.asarray(force, dtype=float), place, speed))
+        self._contacts.append({"run": run, "body": -1, "force": force, "place": place, "speed": speed})
+
+    def add_contact(
+        self, run: int, body: int, place: float, speed: float, contact: ContactProperties | None = None
+    ) -> None:
+        """Let a body touch a run at a place that moves with a prescribed speed.
+
+        Args:
+            run: number of the run, in the order they were added.
+            body: node of the body; it is given its position here, and its velocity in the State.
+            place: unstrained length up to it at the beginning, m.
+            speed: rate of that, m/s.
+            contact: its properties; None: clamped.
+        """
+        own = contact or ContactProperties()
+        self._contacts.append({
+            "run": run, "body": body, "place": place, "speed": speed, "compliance": 1.0 / own.stiffness,
+            "unilateral": own.leaves is not None, "below": own.leaves == "below", "slides": own.slides,
+        })  # fmt: skip
 
     def join(self, copy: int, original: int) -> None:
         """Make two nodes the same point."""
         self._joints.append((copy, original))
 
-    def build(self, parts: int = 1) -> tuple[Block, Block]:
+    def build(self, parts: int = 1, step: float = 0.0) -> tuple[Block, Block]:
         """Return Model and State; nothing moves.
 
         Args:
             parts: number of parts that threads may share, of about as many links each.
+            step: of the motion, s. Contacts yield by what moves within it, so that they do not shorten the stable step.
 
         Raises:
             RopewalkError: a node that is not fixed has no mass.
@@ -151,7 +189,7 @@ class Builder:
         damped = any(each.axial_damping for *_, each in self._runs)
         damped |= any(each.get("damping", 0.0) > 0.0 for rows in self._elements.values() for each in rows)
         sizes = {"AXES": self.axes, "NODES": masses.size, "VISCOUS": masses.size * damped, "RUNS": len(self._runs),
-                 "JOINTS": len(self._joints), "CONTACTS": len(self._forces), "PARTS": parts}  # fmt: skip
+                 "JOINTS": len(self._joints), "CONTACTS": len(self._contacts), "PARTS": parts}  # fmt: skip
         sizes |= {f"{kind.upper()}S": len(rows) for kind, rows in self._elements.items()}
         model, state = Block("MODEL", sizes), Block("STATE", sizes)
         copies, originals = np.array(self._joints, dtype=np.int64).reshape(-1, 2).T
@@ -168,12 +206,12 @@ class Builder:
         mobility = np.divide(1.0, masses, where=moves, out=np.zeros(points.shape))
         model.set(mobility=mobility, joint_copy=copies, joint_original=originals)
         model.weight[-1] = -self.gravity * masses
+        for node, force in self._pushes:
+            model.weight[:, node] += force
         state.position[:] = points
+        self._set_contacts(model, state, step)
         ends = np.cumsum([links for _, links, _ in self._runs])
         model.part_run[1:] = np.searchsorted(ends, np.arange(1, parts) / parts * ends[-1:]) if parts > 1 else ()
-        for k, (run, force, place, speed) in enumerate(self._forces):
-            model.contact_run[k], model.contact_force[:, k] = run, force
-            state.contact_place[k], state.contact_speed[k] = place, speed
         runs = [{"run_first": first, "run_links": links} | asdict(run) for first, links, run in self._runs]
         names = {each.name for each in fields()}
         for name in runs[0] if runs else ():
@@ -182,3 +220,13 @@ class Builder:
         for kind, rows in self._elements.items():
             model.set(**{f"{kind}_{name}": [row[name] for row in rows] for name in rows[0]})
         return model, state
+
+    def _set_contacts(self, model: Block, state: Block, step: float) -> None:
+        state.contact_bent[:] = -1.0
+        for k, contact in enumerate(self._contacts):
+            for name, value in contact.items():
+                getattr(state if name in ("place", "speed") else model, f"contact_{name}")[..., k] = value
+            if (body := contact["body"]) >= 0:
+                run = self._runs[contact["run"]][2]
+                mobility = 1.0 / (run.line_mass * run.link_length) + model.mobility[:, body].max()
+                model.contact_compliance[k] += 0.5 * step**2 * mobility

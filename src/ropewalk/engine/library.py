@@ -26,7 +26,8 @@ _ARGUMENTS: dict[str, list[Any]] = {
     "version": [], "has_variant": [_NUMBER], "elementary": [*[_NUMBER] * 3, *[_DOUBLES] * 3],
     "layout": [_NUMBER, _ADDRESS, _ADDRESS], "bind": [_ADDRESS] * 3,
     "advance": [_NUMBER, _ADDRESS, *[_NUMBER] * 3, ctypes.c_double, _ADDRESS, _ADDRESS],
-    "forces": [_ADDRESS] * 3, "energies": [_ADDRESS] * 2, "entries": [_ADDRESS], "linearise": [_ADDRESS] * 7,
+    "forces": [_ADDRESS] * 3, "energies": [_ADDRESS] * 2, "contacts": [_ADDRESS] * 2,
+    "entries": [_ADDRESS], "linearise": [_ADDRESS] * 7,
 }  # fmt: skip
 """Arguments of the functions of the core, which return whole numbers."""
 
