@@ -164,31 +164,38 @@ def by_library(path: Path, variant: str, calls: int = 1, threads: int = 1) -> di
     return found
 
 
+def by_clang(folder: Path, variant: str) -> dict[str, str]:
+    """Return the hash of each structure by a library that clang compiles."""
+    os.environ["ROPEWALK_TARGET"] = compiler.platform_tag()
+    shutil.copytree(ROOT / "src" / "core", folder / "src" / "core", dirs_exist_ok=True)
+    return by_library(compiler.build(folder, folder), variant)
+
+
+def by_wasm(folder: Path) -> dict[str, str]:
+    """Return the hash of each structure by WebAssembly in node."""
+    linking = ["-nostdlib", "-Wl,--no-entry", "-Wl,--export=__heap_base", "-Wl,--initial-memory=67108864",
+               "-Wl,--export=rw_bind", "-Wl,--export=rw_advance"]  # fmt: skip
+    (script := folder / "steps.mjs").write_text(SCRIPT, encoding="utf-8")
+    return by_program(["node", str(script), str(compiled(folder, "wasm32-freestanding", [], linking))])
+
+
+def by_arm(folder: Path) -> dict[str, str]:
+    """Return the hash of each structure by a program for arm64 in qemu."""
+    (source := folder / "main.cpp").write_text(MAIN, encoding="utf-8")
+    program = compiled(folder, "aarch64-linux-musl", [str(source)], ["-nostdlib", "-static"])
+    return by_program(["qemu-aarch64", str(program)])
+
+
 def main(folder: Path, wanted: str = "") -> None:
     """Print the hashes, platform by platform."""
-    rows, has_zig = dict[str, Callable[[], dict[str, str]]](), bool(find_spec("ziglang"))
-    native = library_module.PATH
-    for variant in library_module.variants():
-        rows[f"g++, {variant}"] = partial(by_library, native, variant)
-    rows["10 calls"] = partial(by_library, native, "avx2", 10)
-    if has_zig:
-        os.environ["ROPEWALK_TARGET"] = compiler.platform_tag()
-        shutil.copytree(ROOT / "src" / "core", folder / "src" / "core")
-        clang = compiler.build(folder, folder)
-        for variant in library_module.variants():
-            rows[f"clang, {variant}"] = partial(by_library, clang, variant)
-    if has_zig and shutil.which("node"):
-        names = ("bind", "advance")
-        linking = ["-nostdlib", "-Wl,--no-entry", "-Wl,--export=__heap_base", "-Wl,--initial-memory=67108864",
-                   *(f"-Wl,--export=rw_{name}" for name in names)]  # fmt: skip
-        module = compiled(folder, "wasm32-freestanding", [], linking)
-        (script := folder / "steps.mjs").write_text(SCRIPT, encoding="utf-8")
-        rows["WebAssembly"] = partial(by_program, ["node", str(script), str(module)])
-    if has_zig and shutil.which("qemu-aarch64"):
-        (source := folder / "main.cpp").write_text(MAIN, encoding="utf-8")
-        program = compiled(folder, "aarch64-linux-musl", [str(source)], ["-nostdlib", "-static"])
-        rows["arm64"] = partial(by_program, ["qemu-aarch64", str(program)])
-    rows["2 threads"] = partial(by_library, native, "avx2", 1, 2)  # needs two processors that nobody else uses
+    native, names = library_module.PATH, library_module.variants()
+    rows: dict[str, Callable[[], dict[str, str]]] = {f"g++ {name}": partial(by_library, native, name) for name in names}
+    rows["10 calls"] = partial(by_library, native, names[-1], 10)
+    if find_spec("ziglang"):
+        rows |= {f"clang {name}": partial(by_clang, folder, name) for name in names}
+        rows |= {"WebAssembly": partial(by_wasm, folder)} if shutil.which("node") else {}
+        rows |= {"arm64": partial(by_arm, folder)} if shutil.which("qemu-aarch64") else {}
+    rows["2 threads"] = partial(by_library, native, names[-1], 1, 2)  # needs two processors that nobody else uses
     for name, hashes in rows.items():
         if wanted in name:
             print(f"{name:16s}", *hashes().values(), flush=True)
