@@ -44,7 +44,7 @@ help:
 	@echo "make studio       build the front end of  ropewalk studio  (brings Node from PyPI where the machine has none)"
 	@echo "make studio-check lint, types and tests of the front end; in a real browser where Chromium is there"
 	@echo "make lessons      the kept results of the lessons in the studio, computed anew"
-	@echo "make lint         ruff: rules and format"
+	@echo "make lint         ruff, clang-format and clang-tidy: rules and format"
 	@echo "make types        mypy, strict"
 	@echo "make fuzz         spoilt scenario files for SECONDS (an hour) from a SEED (0)"
 	@echo "make kills        COUNT (200) commands killed at any moment, and taken up again"
@@ -200,6 +200,7 @@ lint: $(VENV)/.dev
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
 	@$(BIN)/clang-format --dry-run --Werror $(CORE)
+	@$(BIN)/clang-tidy --quiet $(filter %.cpp,$(CORE)) -- -std=c++20 -ffreestanding -nostdlibinc
 
 types: $(VENV)/.dev
 	@$(BIN)/mypy

@@ -20,6 +20,8 @@ FLAGS = (
 )  # fmt: skip
 CHECKED = ("-O1", "-g", "-fsanitize=undefined,bounds-strict", "-fsanitize-undefined-trap-on-error", "-DRW_CHECKED")
 """Flags of a build that stops at the first undefined operation, with GCC."""
+ADDRESS = ("-O0", "-g1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-DRW_CHECKED")
+"""Flags of a build with GCC's sanitizers, whose libraries must be loaded before it."""
 PROBE = """template<class T> concept Sums = requires(T t) { t + t; };
 template<Sums T> T twice(T x) { return x + x; }
 int f() { return twice(1); }
@@ -87,13 +89,13 @@ def native_variant() -> str:
     return "avx512" if {"avx512dq", "avx512vl"} <= words else "avx2" if "avx2" in words else "baseline"
 
 
-def build(root: Path, folder: Path, *, checked: bool = False, only: str = "") -> Path:
+def build(root: Path, folder: Path, *, checks: tuple[str, ...] = (), only: str = "") -> Path:
     """Compile the core into a library in a folder, and return its path. What has not changed is not compiled anew.
 
     Args:
         root: of the repository.
         folder: of the library; made if it does not exist.
-        checked: stop at the first undefined operation.
+        checks: flags of a build that checks itself, CHECKED or ADDRESS.
         only: one variant instead of all.
 
     Raises:
@@ -101,11 +103,11 @@ def build(root: Path, folder: Path, *, checked: bool = False, only: str = "") ->
     """
     tag = platform_tag()
     target, compiler = TARGETS[tag], system_compiler()
-    objects = root / "build" / "core" / (f"{tag}-checked" if checked else tag)
+    objects = root / "build" / "core" / (f"{tag}-{'address' if checks == ADDRESS else 'checked'}" if checks else tag)
     objects.mkdir(parents=True, exist_ok=True)
     if compiler is None:
         compiler = [sys.executable, "-m", "ziglang", "c++", "-target", target.zig]
-    flags = [*FLAGS, *target.compiling, *(CHECKED if checked else ())]
+    flags = [*FLAGS, *target.compiling, *checks]
     jobs = list[tuple[list[str], Path]]()
     names = [name for name in VARIANTS if name == "baseline" or "86" in tag or "amd" in tag]
     linked = sum(1 << number for number, name in enumerate(names) if only in ("", name))
@@ -119,7 +121,8 @@ def build(root: Path, folder: Path, *, checked: bool = False, only: str = "") ->
         list(pool.map(lambda job: _compiled([*compiler, *flags, *job[0]], job[1]), jobs))
     folder.mkdir(parents=True, exist_ok=True)
     library = folder / target.library
-    _run([*compiler, *target.linking, "-o", str(library), *(str(made) for _, made in jobs)])
+    hosted = [word for word in target.linking if checks != ADDRESS or word != "-nostdlib"]
+    _run([*compiler, *hosted, *checks, "-o", str(library), *(str(made) for _, made in jobs)])
     return library
 
 

@@ -123,7 +123,8 @@ struct Assembly {
                     columns[i * N + j] = j % AXES * m.nodes + nodes[j / AXES];
                 }
             }
-            rows += N * N, columns += N * N, K += N * N, C += N * N;
+            constexpr I64 SIZE = static_cast<I64>(N) * N;
+            rows += SIZE, columns += SIZE, K += SIZE, C += SIZE;
         });
     }
 };
