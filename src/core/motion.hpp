@@ -23,7 +23,8 @@ struct Motion {
 
     I64 advance(I64 steps, double dt, const volatile I32* stop, I64* done) {
         for (*done = 0; *done < steps; ++*done) {
-            if (team.leads() && !(w.halted[0] = *stop != 0)) begin_step(dt);
+            if (team.leads()) w.halted[0] = *stop != 0;
+            if (team.leads() && !w.halted[0]) begin_step(dt);
             team.meet();
             if (w.halted[0]) return STOPPED;
             for (I64 part = team.thread; part < m.parts; part += team.threads) sweep_part(dt, part);
