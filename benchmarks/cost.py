@@ -1,18 +1,13 @@
-"""Cost per node and step from 50 to a million links, of two joined ropes beside one, import time, and first calls."""
+"""Cost per node and step from 50 to a million links, and of two joined ropes beside one."""
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
-import tempfile
 import time as clock
 from collections.abc import Callable
 from copy import deepcopy
 from statistics import median
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ropewalk.mechanics.chain import ChainBuffers
@@ -26,6 +21,8 @@ from ropewalk.solve.stops import Stops, advance
 from ropewalk.system.dynamics.intervals import Intervals
 from ropewalk.system.dynamics.intervals import advance as along_intervals
 from ropewalk.system.dynamics.moving import SystemMotion
+
+from .bare import bare_loop
 
 Array = NDArray[np.float64]
 LINKS = (50, 200, 800, 3200, 12_800, 100_000, 1_000_000)
@@ -75,62 +72,11 @@ def nanoseconds(elements: int, method: str, damping: float) -> float:
     return 1e9 * median([timed() for _ in range(8)][1:]) / elements
 
 
-@njit(error_model="numpy", fastmath={"contract", "nsz"}, _nrt=False)
-def _bare(steps: int, x: Array, z: Array, u: Array, w: Array, fx: Array, fz: Array) -> None:
-    stiff, h, dt = 1e5, 20.0 / (x.size - 1), 1e-4 * 20.0 / (x.size - 1)
-    for _ in range(steps):
-        for i in range(x.size - 1):
-            dx, dz = x[i + 1] - x[i], z[i + 1] - z[i]
-            pull = stiff * (1.0 / h - 1.0 / np.sqrt(dx * dx + dz * dz))
-            fx[i + 1], fz[i + 1] = pull * dx, pull * dz
-        for i in range(1, x.size - 1):
-            u[i] += dt / h * (fx[i + 1] - fx[i])
-            w[i] += dt / h * (fz[i + 1] - fz[i]) - 9.81 * dt
-        for i in range(1, x.size - 1):
-            x[i] += dt * u[i]
-            z[i] += dt * w[i]
-
-
-@njit(error_model="numpy", fastmath={"contract", "nsz"}, _nrt=False)
-def _bare_damped(
-    steps: int, x: Array, z: Array, u: Array, w: Array, fx: Array, fz: Array, u_ahead: Array, w_ahead: Array
-) -> None:
-    stiff, c, h, dt = 1e5, 50.0, 20.0 / (x.size - 1), 1e-4 * 20.0 / (x.size - 1)
-    for _ in range(steps):
-        for i in range(x.size - 1):
-            dx, dz = x[i + 1] - x[i], z[i + 1] - z[i]
-            per_length = 1.0 / np.sqrt(dx * dx + dz * dz)
-            rate = (dx * (u_ahead[i + 1] - u_ahead[i]) + dz * (w_ahead[i + 1] - w_ahead[i])) * per_length / h
-            pull = stiff * (1.0 / h - per_length) + c * rate * per_length
-            fx[i + 1], fz[i + 1] = pull * dx, pull * dz
-        for i in range(1, x.size - 1):
-            gain = dt / h * (fx[i + 1] - fx[i])
-            u[i] += gain
-            u_ahead[i] = u[i] + 0.5 * gain
-        for i in range(1, x.size - 1):
-            gain = dt / h * (fz[i + 1] - fz[i]) - 9.81 * dt
-            w[i] += gain
-            w_ahead[i] = w[i] + 0.5 * gain
-        for i in range(1, x.size - 1):
-            x[i] += dt * u[i]
-            z[i] += dt * w[i]
-
-
 def bare(elements: int, *, damped: bool = False) -> float:
-    """The same of a loop over links in the plane and nothing else: Hooke's law, kick and drift, without a load; ns.
-
-    With a root and a division for each link. It is Verlet's step, and one of eleven of RKN6, whose coefficients cost
-    nothing; damped, velocities are led on to the instant of the new positions, without which the order would be one.
-    """
-    run, rows = (_bare_damped, 8) if damped else (_bare, 6)
-    count, times = max(int(WORK / elements), 20), []
-    for _ in range(8):
-        state = np.zeros((rows, elements + 1))
-        state[0] = np.linspace(0.0, 20.2, elements + 1)
-        start = clock.process_time()
-        run(count, *state)
-        times.append((clock.process_time() - start) / count / elements)
-    return 1e9 * median(times[1:])
+    """The same of a loop in C over links in the plane and nothing else (`bare.py`), without a load; ns."""
+    count = max(int(WORK / elements), 20)
+    repeat = bare_loop(elements, count, damped=damped)
+    return 1e9 * median([repeat() for _ in range(8)][1:]) / count / elements
 
 
 def scaling() -> None:
@@ -199,38 +145,7 @@ def joined() -> None:
         print(f"{elements:8}{one:10.2f}  {row}", flush=True)
 
 
-FIRST_RUN = """
-import time
-begin = time.perf_counter()
-from ropewalk.model import Dynamic, Line, MovingForce, Scenario, Travel
-from ropewalk.simulate import simulate
-imported = time.perf_counter()
-line = Line(start=(0, 0), end=(20.2, 0), length=20.0, mass=1.0, axial_stiffness=1e5, elements=50)
-load = MovingForce(on="rope", force=(0.0, -300.0), travel=Travel(speed=10.0))
-simulate(Scenario(lines={"rope": line}, loads={"force": load}, run=Dynamic(until=0.1)))
-print(imported - begin, time.perf_counter() - imported)
-"""
-
-
-def start_up() -> None:
-    """Print the times of a fresh process: imports, first run without and with a cache of compiled kernels."""
-    print("\nA fresh process, wall s")
-    with tempfile.TemporaryDirectory() as cache:
-        environment = {**os.environ, "NUMBA_CACHE_DIR": cache}
-        for label in ("nothing compiled yet", "kernels from the cache"):
-            done = subprocess.run(
-                [sys.executable, "-c", FIRST_RUN], env=environment, capture_output=True, text=True, check=True
-            )
-            imports, first = map(float, done.stdout.split())
-            print(f"  {label:24} imports {imports:5.2f}   first run {first:6.2f}")
-    for words in (("--help",), ("--version",)):
-        begin = clock.perf_counter()
-        subprocess.run([sys.executable, "-m", "ropewalk", *words], capture_output=True, check=True)
-        print(f"  ropewalk {words[0]:15} {clock.perf_counter() - begin:5.2f}")
-
-
 def main() -> None:
-    """Print scaling, joined ropes and start-up."""
+    """Print scaling and joined ropes."""
     scaling()
     joined()
-    start_up()

@@ -1,443 +1,353 @@
-"""One problem, two schemes, one exact answer (docs/notes/gate-of-contacts.md): how loads meet lines by the engines of
-ropes and stiff lines, with events where a load passes a node, and by contacts on splines, which have none.
+"""Yardsticks of engines: ``python -m benchmarks gate --part PART``.
+
+contacts   errors of problems with exact answers on three meshes, by all schemes
+errors     CPU time to reach the same error, today's engines compared with the compiled core
+agreement  differences of fields of today's system and the core on the same mesh
+steps      CPU time per link and step, with the instruction sets of the core, and of a bare loop in C
+overhead   the reference model of EN 50318:2002 against its ranges
+setup      CPU time of the set-up for growing structures
+processes  CPU time of commands on examples, and of fresh processes of either engine
+
+All times are CPU time. What is compared is run in turn; ratios are medians of the ratios of each turn. What compares
+the core runs in a process whose Numba is limited to AVX2, with kernels of its own (in the folder ROPEWALK_GATE_KERNELS,
+if that is set).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
-from typing import Any
+from statistics import median
+from typing import Any, NamedTuple
 
 import numpy as np
-from tests import continuous_beams, held_strings
+from platformdirs import user_cache_path
 
-from ropewalk.chains.moving import Chain
+from ropewalk.engine.library import variants
 from ropewalk.errors import RopewalkError
 from ropewalk.model import Scenario
-from ropewalk.results.frame import ENERGY_FORMS, Frame, RunInfo
-from ropewalk.results.running import MotionEngine, TimeHistory
-from ropewalk.system.dynamics.moving import SystemMotion
-from ropewalk.theory import bead, beam, selfsimilar, string
-from ropewalk.theory.moving_oscillator import moving_oscillator
-from ropewalk.wires.frames import Wires
-from ropewalk.wiring import task_of
+from ropewalk.system.equilibrium.form_finding import formed
+
+from .bare import bare_loop
+from .cost import joined_ropes, rope
+from .nets import crossing
+from .overhead import motion_alone, reference
+from .problems import NEW, OLD, PROBLEMS, Problem, rms
+from .processes import processes
+from .schemes import CORE, ROPES, SPLINES, Core, Scheme, Timing
+from .setup import setup
 
 Array = np.ndarray
-Ways = Callable[[Scenario, Array], list[Frame]]
+MARCH, LIMITED = "haswell", ("errors", "agreement", "steps")
+WORK = 1e6
+"""Links times steps of a measurement of `steps`, about."""
 
-EA, SPAN = 1e4, 1.0
-STRETCH = 1.0 + 1.0 / EA
-LENGTH, WAVE, TENSION = SPAN / STRETCH, 1.0 / np.sqrt(STRETCH), 1.0 / STRETCH  # in the coordinate of the material
-WEIGHT = 1e-5  # N/kg: motion is linear
 
+def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Print a table in Markdown, its rows as they come."""
+    print("\n| " + " | ".join(head) + " |\n|" + "---|" * len(head))
+    for row in rows:
+        print("| " + " | ".join(map(str, row)) + " |", flush=True)
 
-def motion(engine: Callable[[Scenario, RunInfo, Array], MotionEngine]) -> Ways:
-    """Frames of a motion by one engine, whichever would be chosen for it."""
 
-    def frames(scenario: Scenario, times: Array) -> list[Frame]:
-        run_info = RunInfo()
-        found = list(TimeHistory(engine(scenario, run_info, times), run_info).frames())
-        if run_info.outcome != "running":
-            raise RopewalkError(run_info.outcome)
-        return found
+def limited(part: str, words: Sequence[str]) -> None:
+    """Run a part in a process whose Numba is limited to AVX2; the name of the processor alone leaves AVX-512 on."""
+    kernels = os.environ.get("ROPEWALK_GATE_KERNELS") or str(user_cache_path("ropewalk-gate"))
+    numba = {"NUMBA_CPU_NAME": MARCH, "NUMBA_CPU_FEATURES": "", "NUMBA_CACHE_DIR": kernels}
+    command = [sys.executable, "-m", "benchmarks", "gate", "--part", part, *words]
+    subprocess.run(command, env={**os.environ, **numba}, check=True)
 
-    return frames
 
+def in_turn(timings: Mapping[str, Timing], rounds: int) -> dict[str, Array]:
+    """Return CPU seconds (round,) of motions that are repeated in turn."""
+    found = [{name: timing.repeat() for name, timing in timings.items()} for _ in range(rounds)]
+    return {name: np.array([each[name] for each in found]) for name in timings}
 
-OLD: dict[str, Ways] = {
-    "ropes": motion(Chain),
-    "stiff lines": motion(lambda scenario, run_info, times: Wires(task_of(scenario), times, run_info)),
-}
-NEW = motion(SystemMotion)
 
+# -- Errors against exact answers ----------------------------------------------------------------------------------
 
-@dataclass(frozen=True)
-class Problem:
-    """A line of the gate: name, measure of its error, meshes, old scheme ("": none), error of a way on a mesh."""
 
-    name: str
-    measure: str
-    meshes: tuple[int, ...]
-    old: str
-    error: Callable[[Ways, int], float]
+def contacts(rows: Sequence[str] = ()) -> None:
+    """Print errors on three meshes and the order between the last two, by all schemes."""
+    found = list[Sequence[object]]()
+    for problem in PROBLEMS:
+        if not rows or any(row in problem.name for row in rows):
+            schemes = (OLD[problem.old] if problem.old else None, NEW, CORE if problem.core else None)
+            cells = [cell for scheme in schemes for cell in _cells(problem, scheme)]
+            found.append([problem.name, problem.measure, ", ".join(map(str, problem.meshes)), *cells])
+    head = ["problem", "error", "links"]
+    table([*head, *(word for name in ("with events", "on splines", "core") for word in (name, "order"))], found)
 
 
-def motion_of(lines: dict[str, Any], loads: dict[str, Any], until: float, **more: Any) -> Scenario:
-    run = {"kind": "dynamic", "until": float(until), "every": float(until)}
-    tree = {"gravity": 0.0, "lines": lines, "loads": loads} | more
-    return Scenario.model_validate(tree | {"run": run | more.get("run", {})})
+def _cells(problem: Problem, scheme: Scheme | None) -> tuple[str, str]:
+    if scheme is None:
+        return "", ""
+    try:
+        errors = [problem.error(scheme, n) for n in problem.meshes]
+    except RopewalkError as refused:
+        return str(refused).splitlines()[0][:28], ""
+    return ", ".join(f"{error:.1e}" for error in errors), f"{np.log2(errors[-2] / errors[-1]):.1f}"
 
 
-def series(frames: list[Frame], name: str, axis: int = -1) -> Array:
-    return np.array([getattr(frame, name)[0, axis] for frame in frames])
+# -- Structures without an exact answer ----------------------------------------------------------------------------
 
 
-def rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))
+def joined(elements: int) -> Scenario:
+    """Two joined ropes of 10 m in so many links under a force."""
+    return until(joined_ropes({"kind": "force", "force": (0.0, -300.0)}, elements), 0.2)
 
 
-def form(frames: list[Frame], name: str) -> Array:
-    return np.array([frame.energy[ENERGY_FORMS.index(name)] for frame in frames])
-
-
-# -- Taut strings ------------------------------------------------------------------------------------------------
-
-
-def taut(elements: int, **more: Any) -> dict[str, Any]:
-    return {"start": [0, 0], "end": [1, 0], "length": LENGTH, "mass": 1.0, "axial_stiffness": EA,
-            "elements": elements} | more  # fmt: skip
-
-
-def crossing(load: dict[str, Any], alpha: float) -> dict[str, Any]:
-    return {"p": load | {"on": "s", "travel": {"speed": float(alpha * WAVE), "at_end": "leave"}}}
-
-
-def force(alpha: float) -> Callable[[Ways, int], float]:
-    def error(way: Ways, n: int) -> float:
-        until = 0.75 * LENGTH / (alpha * WAVE)
-        load = crossing({"kind": "force", "force": [0, -1e-6]}, alpha)
-        xi = np.linspace(0.0, LENGTH, n + 1)
-        found = way(motion_of({"s": taut(n)}, load, until), np.linspace(0.0, until, 5))
-        return rms(np.array([
-            frame.position[:, 1] / -1e-6 - string.moving_force(
-                xi, frame.path, force=1.0, speed=alpha * WAVE, length=LENGTH, tension=TENSION, mass=1.0)
-            for frame in found[1:]
-        ]))  # fmt: skip
-
-    return error
-
-
-def mass(alpha: float, m: float = 1.0, of: str = "deflection", part: float = 0.9) -> Callable[[Ways, int], float]:
-    """Largest error of the deflection in m g L/P, or of the contact force in m g, in the mean square."""
-
-    def error(way: Ways, n: int) -> float:
-        speed, until = alpha * WAVE, part * LENGTH / (alpha * WAVE)
-        load = crossing({"kind": "mass", "mass": m, "force": [0, -m * WEIGHT]}, alpha)
-        found = way(motion_of({"s": taut(n)}, load, until), np.linspace(0.0, until, 201))
-        exact = string.moving_mass(
-            np.array([frame.path for frame in found]), load_mass=m, speed=speed, length=LENGTH, tension=TENSION,
-            mass=1.0, gravity=WEIGHT,
-        )  # fmt: skip
-        if of == "deflection":
-            return float(np.abs(-series(found, "contact_position") - exact.deflection).max()) / (m * WEIGHT)
-        return rms((-series(found, "contact_force") - exact.contact_force)[1:]) / (m * WEIGHT)
-
-    return error
-
-
-def oscillator(stiffness: float, wheel: float) -> Callable[[Ways, int], float]:
-    """Contact force over the weight, in the mean square; half the wave speed."""
-
-    def error(way: Ways, n: int) -> float:
-        speed, until, sprung = 0.5 * WAVE, 0.9 * LENGTH / (0.5 * WAVE), 0.5
-        load = {
-            "kind": "matrices", "mass": [[sprung, 0], [0, wheel]], "coordinates": ["body", "wheel"],
-            "stiffness": [[stiffness, -stiffness], [-stiffness, stiffness]], "wheels": {"w": {"coordinate": "wheel"}},
-            "weight": [sprung * WEIGHT, wheel * WEIGHT],
-        }  # fmt: skip
-        found = way(motion_of({"s": taut(n)}, crossing(load, 0.5), until), np.linspace(0.0, until, 101))
-        exact = moving_oscillator(
-            np.array([frame.path for frame in found]), sprung_mass=sprung, contact_mass=wheel, stiffness=stiffness,
-            speed=speed, length=LENGTH, tension=TENSION, mass=1.0, gravity=WEIGHT,
-        )  # fmt: skip
-        return rms((-series(found, "contact_force") - exact.contact_force)[1:]) / ((sprung + wheel) * WEIGHT)
-
-    return error
-
-
-def two_masses(way: Ways, n: int) -> float:
-    """Two masses of half a string at 0.4 of the wave speed, the second half a string behind: as of one."""
-    speed, apart, m = float(0.4 * WAVE), 0.45, 0.5
-    until, late = 0.95 * LENGTH / speed, apart * LENGTH / speed
-    wheels = {"a": {"coordinate": "first"}, "b": {"coordinate": "second", "at": -apart * LENGTH}}
-    load = {"kind": "matrices", "mass": [[m, 0], [0, m]], "stiffness": [[0, 0], [0, 0]], "wheels": wheels,
-            "coordinates": ["first", "second"], "weight": [m * WEIGHT, m * WEIGHT]}  # fmt: skip
-    found = way(motion_of({"s": taut(n)}, crossing(load, 0.4), until), times := np.linspace(0.0, until, 101))
-    bare = held_strings.HeldString(LENGTH, TENSION, 1.0, held_strings.Station(0.5 * LENGTH))
-    moving_loads = [held_strings.MovingLoad(enters, m * WEIGHT, m) for enters in (0.0, late)]
-    _, exact = held_strings.crossed(bare, speed, times, *moving_loads)
-    off = [np.array([frame.contact_position[k, -1] for frame in found]) + exact[k] for k in (0, 1)]
-    return float(np.nanmax(np.abs(off))) / (m * WEIGHT)
-
-
-# -- Ropes that stretch, stiff lines --------------------------------------------------------------------------------
-
-
-def begins(alpha: float, contact: str, bends: bool = False) -> Callable[[Ways, int], float]:
-    """A force that starts to move on a soft string: horizontal drift of the contact, over that."""
-
-    def error(way: Ways, n: int) -> float:
-        speed = float(alpha * np.sqrt(0.05 / 1.05))
-        begin, end = (round(t * speed * n / 2.0) * 2.0 / n / speed for t in (0.35, 0.95))  # whole passages of nodes
-        line = {"start": [0, 0], "end": [2.1, 0], "length": 2.0, "mass": 1.0, "axial_stiffness": 1.0, "elements": n}
-        line |= {"bending_stiffness": 1e-12} if bends else {}
-        load = {"kind": "force", "on": "s", "force": [0, -0.01], "contact": contact,
-                "travel": {"speed": speed, "from": 1.0}}  # fmt: skip
-        found = way(motion_of({"s": line}, {"p": load}, end), times := np.linspace(0.0, end, 201))
-        wave = selfsimilar.moving_force(
-            force=0.01, speed=speed, axial_stiffness=1.0, mass=1.0, prestrain=0.05, contact=contact
-        )
-        x = series(found, "contact_position", 0)
-        way_gone = x[-1] - np.interp(begin, times, x)
-        drift = wave.contact_velocity[0] - 1.05 * speed
-        return abs((way_gone / (end - begin) - wave.contact_velocity[0]) / drift)
-
-    return error
-
-
-BEAM = {"length": 1.0, "bending_stiffness": 0.5, "mass": 1.0, "tension": 1.0}
-
-
-def on_beam(m: float) -> Callable[[Ways, int], float]:
-    """A force or a mass across a hinged beam under tension: largest deflection, over that."""
-
-    def error(way: Ways, n: int) -> float:
-        line = {"start": [0, 0], "end": [1, 0], "tension": 1.0, "mass": 1.0, "bending_stiffness": 0.5,
-                "axial_stiffness": 1e6, "elements": n}  # fmt: skip
-        load = {"kind": "mass", "mass": m} if m else {"kind": "force"}
-        load |= {"on": "s", "force": [0, -1e-5], "travel": {"speed": 1.0, "from": 0.0, "at_end": "leave"}}
-        found = way(motion_of({"s": line}, {"p": load}, 0.9), times := np.linspace(0.0, 0.9, 46))
-        x = np.linspace(0.0, 1.0, n + 1)
-        if m:
-            own = beam.moving_mass(times, load_mass=m, speed=1.0, gravity=1e-5 / m, tolerance=1e-5, **BEAM)
-            exact = own.beam_deflection(x)
-        else:
-            exact = beam.moving_force(x, times[:, None], force=1e-5, speed=1.0, **BEAM)
-        off = np.array([frame.position[:, -1] for frame in found]) + exact[: len(found)]
-        return float(np.abs(off).max() / np.abs(exact).max())
-
-    return error
-
-
-# -- Stations --------------------------------------------------------------------------------------------------------
-
-AT, CROSSES = 7.2, 20.0  # m, m/s
-STRING = {"start": [0, 0], "end": [20, 0], "tension": 1e4, "mass": 1.0, "axial_stiffness": 1e8}
-
-
-def station(m: float, of: str, **restrained: float) -> Callable[[Ways, int], float]:
-    """A force or a mass that crosses a string on a support that yields: rms of the deflection over the largest."""
-
-    def error(way: Ways, n: int) -> float:
-        yields = 1.0 + 1e-4  # strain
-        own = {"at": AT / yields, "kind": "elastic", "stiffness": [0.0, restrained.get("stiffness", 0.0)]}
-        own |= {"mass": restrained.get("mass", 0.0)}
-        load = {"kind": "mass", "mass": m} if m else {"kind": "force"}
-        load |= {"on": "s", "force": [0, -1e-3], "travel": {"speed": CROSSES, "at_end": "leave"}}
-        lines = {"s": STRING | {"elements": n, "supports": {"station": own}}}
-        found = way(motion_of(lines, {"p": load}, 0.9), times := np.linspace(0.0, 0.9, 91))
-        exact = held_strings.crossed(
-            held_strings.HeldString(20.0, 1e4, 1.0 / yields, held_strings.Station(AT, **restrained)),
-            CROSSES * yields, times,
-            held_strings.MovingLoad(force=1e-3, mass=m),
-        )  # fmt: skip
-        if of == "load":
-            return rms(series(found, "contact_position") + exact[1][0]) / float(np.abs(exact[1]).max())
-        node = round(AT / 20.0 * n)
-        z = np.array([frame.position[node, -1] for frame in found])
-        return rms(z + exact[0]) / float(np.abs(exact[0]).max())
-
-    return error
-
-
-def pier(way: Ways, n: int) -> float:
-    """A force crosses the pier between two spans of a beam: largest deflection, over that."""
-    spans = (7.2, 12.8)
-    line = {"start": [0, 0], "end": [20, 0], "length": 20.0, "mass": continuous_beams.MASS, "axial_stiffness": 1e8,
-            "bending_stiffness": continuous_beams.EI, "elements": n}  # fmt: skip
-    line |= {"supports": {"pier": {"at": spans[0], "kind": "guided", "along": [1, 0]}}}
-    load = {"kind": "force", "on": "s", "force": [0, -1.0], "travel": {"speed": CROSSES, "at_end": "leave"}}
-    found = way(motion_of({"s": line}, {"p": load}, 1.0), times := np.linspace(0.0, 1.0, 51))
-    exact = continuous_beams.under_a_moving_force(spans, CROSSES, np.linspace(0.0, 20.0, n + 1), times)
-    off = np.array([frame.position[:, -1] for frame in found]) + exact[: len(found)]
-    return float(np.abs(off).max() / np.abs(exact).max())
-
-
-# -- Energy ----------------------------------------------------------------------------------------------------------
-
-
-def audit(load: dict[str, Any], **more: Any) -> Callable[[Ways, int], float]:
-    """What the audit of a slack rope misses, over the energy in motion: meshes are steps in a twentieth of a second."""
-
-    def error(way: Ways, n: int) -> float:
-        rope = {"start": [0, 0], "end": [20, 1], "length": 20.4, "mass": 1.0, "axial_stiffness": 1e5, "elements": 40}
-        loads = {"p": {"kind": "mass", "mass": 20.0, "on": "r"} | load}
-        run = {"step": 0.05 / n}
-        found = way(motion_of({"r": rope}, loads, 1.0, gravity=9.81, run=run, **more), np.linspace(0.0, 1.0, 21))
-        turned = max(np.abs(form(found, name)).max() for name in ("kinetic", "load_kinetic", "hold_work"))
-        return float(np.abs(form(found, "imbalance")).max() / turned)
-
-    return error
-
-
-def lost(way: Ways, n: int) -> float:
-    """Where a mass on a string of nearly no mass loses contact, P L = 9 m V^2, over the length."""
-    stretch = 1.01
-    speed, length = float(np.sqrt(1.0 / 9.0) / stretch), 1.0 / stretch
-    load = {
-        "kind": "mass",
-        "mass": 1.0,
-        "on": "s",
-        "force": [0, -WEIGHT],
-        "travel": {"speed": speed, "at_end": "leave"},
+@lru_cache
+def _formed_bridge(hangers: int) -> Scenario:
+    lines = {
+        "cable": {"start": [0, 22], "end": [200, 22], "length": 205.25, "mass": 6.0, "axial_stiffness": 60e6},
+        "deck": {"start": [0, 0], "end": [200, 0], "tension": 60e3, "mass": 40.0, "axial_stiffness": 80e6},
     }
-    until, lines = length / speed, {"s": taut(n, mass=1e-4, axial_stiffness=100.0, length=length)}
-    found = way(motion_of(lines, {"p": load}, until), np.linspace(0.0, until, 501))
-    exact = string.moving_mass(
-        0.0, load_mass=1.0, speed=speed, length=length, tension=length, mass=0.0, gravity=WEIGHT
-    ).contact_lost_at
-    force, t = series(found, "contact_force"), np.array([frame.path for frame in found])
-    i = int(np.argmax((force > 0.0) & (t > 0.2 * until)))
-    at = t[i - 1] - force[i - 1] * (t[i] - t[i - 1]) / (force[i] - force[i - 1])
-    return abs(at - exact) / until
+    load = {"kind": "force", "on": "deck", "force": [0, -800], "travel": {"speed": 5.0, "from": 0.5}}
+    row = {"from": "cable", "to": "deck", "count": hangers, "mass": 0.6, "axial_stiffness": 10e6}
+    return formed(Scenario.model_validate({
+        "lines": {name: line | {"elements": 4 * hangers + 4} for name, line in lines.items()},
+        "hangers": {"hanger": row}, "loads": {"load": load},
+        "run": {"kind": "dynamic", "until": 0.3, "every": 0.3},
+    }))  # fmt: skip
 
 
-def slides(coefficient: float) -> Callable[[Ways, int], float]:
-    """A bead on a light rope, beside one on an ellipse: largest error of its x within 3 s, m."""
-
-    def error(way: Ways, n: int) -> float:
-        rope = {"start": [0, 0], "end": [20, 0], "length": 22.0, "mass": 1e-3, "axial_stiffness": 1e6, "elements": n}
-        load = {"kind": "mass", "mass": 10.0, "on": "r", "travel": {"kind": "free", "friction": coefficient}}
-        start = 5.0
-        high = bead.slide(0.0, start=start, mass=10.0, friction="capstan", coefficient=0.0, span=20.0, length=22.0).z
-        load["travel"]["from"] = float(np.hypot(start, high))
-        run = {"start": {"kind": "rest", "with_loads": True}}
-        found = way(motion_of({"r": rope}, {"p": load}, 3.0, gravity=9.81, run=run), times := np.linspace(0.0, 3.0, 61))
-        exact = bead.slide(
-            times, start=start, mass=10.0, friction="capstan", coefficient=coefficient, span=20.0, length=22.0
-        )
-        return float(np.abs(series(found, "contact_position", 0) - exact.x).max())
-
-    return error
+def bridge(elements: int, hangers: int = 50) -> Scenario:
+    """A suspension bridge of 200 m with cable and deck of half of these links each, under a force on its first bay."""
+    scenario = _formed_bridge(hangers)
+    lines = {
+        name: line.model_copy(update={"elements": elements // 2}) if name in ("cable", "deck") else line
+        for name, line in scenario.lines.items()
+    }
+    return scenario.model_copy(update={"lines": lines})
 
 
-def saddle(way: Ways, n: int) -> float:
-    """Speed of a bead that rolls over a saddle, beside what it has by its energy, over what that changes."""
-    m, speed, tension = 10.0, 8.0, 1e4
-    load = {"kind": "mass", "mass": m, "on": "s", "travel": {"kind": "free", "speed": speed, "from": 6.0}}
-    line = STRING | {"mass": 0.05, "elements": n, "supports": {"saddle": {"at": 10.0, "kind": "fixed"}}}
-    run = {"start": {"kind": "rest", "with_loads": True}}
-    found = way(motion_of({"s": line}, {"p": load}, 1.0, gravity=9.81, run=run), np.linspace(0.0, 1.0, 101))
-    xi, seen = (np.array([getattr(frame, name)[0] for frame in found]) for name in ("contact_xi", "contact_speed"))
-    s = np.mod(xi, 10.0)
-    yields = m * 9.81 * s * (10.0 - s) / (10.0 * tension)
-    exact = np.sqrt(speed**2 - 9.81 * (yields[0] - yields)) * seen[0] / speed
-    away = np.interp(np.r_[7.0:9.1:0.25, 11.0:13.1:0.25], xi, seen - exact)
-    return rms(away) / float(np.ptp(exact))
+def net(elements: int) -> Scenario:
+    """The net of the benchmark of nets with so many cells each way, under a force along a thread."""
+    scenario = crossing(elements + 1, 0.02)
+    y = 3.0 * (elements // 2) / elements
+    travel = {"speed": 1.0, "path": [[0.9, y], [3.1, y]], "from": 0.0}
+    load = {"kind": "force", "on": "net", "force": [0.0, 0.0, -600.0], "travel": travel}
+    tree = scenario.model_dump(exclude_unset=True, by_alias=True) | {"loads": {"load": load}}
+    return Scenario.model_validate(tree)
 
 
-# -- Each beside the other -------------------------------------------------------------------------------------------
+def until(scenario: Scenario, end: float) -> Scenario:
+    """Return a scenario whose run ends at another instant, s."""
+    return scenario.model_copy(update={"run": scenario.run.model_copy(update={"until": end, "every": end})})
 
 
-def beside(of: Callable[[Ways, int], Array], old: str, fine: int) -> Callable[[Ways, int], float]:
-    """Error beside the other scheme on a fine mesh, in the mean square."""
+def shared(scenario: Scenario, size: int, coarse: int) -> Array:
+    """Return numbers of the nodes, of so many, that a mesh shares with one of so many links in its first line or side.
+
+    The cable of a bridge is left out.
+    """
+    if scenario.nets:
+        cells = next(iter(scenario.nets.values())).cells[0]
+        grid = np.arange((cells + 1) ** 2).reshape(cells + 1, cells + 1)
+        return grid[:: cells // coarse, :: cells // coarse].ravel()
+    lines = list(scenario.lines.values())
+    first, sizes = lines[0].elements, [(line.elements or 0) + 1 for line in lines]
+    begin, found = size - sum(sizes), list[Array]()  # bays of a cable may have links more or less
+    for count, is_cable in zip(sizes, [bool(len(lines) > 2), *[False] * len(lines)], strict=False):
+        if not is_cable:
+            found.append(begin + np.arange(0, count, first // coarse if count == first + 1 else 1))
+        begin += count
+    return np.concatenate(found)
+
+
+def of_field(make: Callable[[int], Scenario], meshes: Sequence[int], lines: int = 1) -> Callable[[Scheme, int], float]:
+    """Return the error of a field at the end of a run next to that of the core with twice as many links, rms, m.
+
+    Args:
+        make: structure with so many links.
+        meshes: numbers of links.
+        lines: number of lines that share these.
+    """
 
     @lru_cache
-    def reference(way: Ways) -> Array:
-        return of(way, fine)
+    def field(scheme: Scheme, n: int) -> Array:
+        scenario = make(n)
+        position = scheme(scenario, np.array([0.0, scenario.run.until]))[-1].position
+        return np.asarray(position[shared(scenario, len(position), meshes[0] // lines)])
 
-    def error(way: Ways, n: int) -> float:
-        return float(np.sqrt(np.nanmean(np.square(of(way, n) - reference(NEW if way is not NEW else OLD[old])))))
+    def error(scheme: Scheme, n: int) -> float:
+        return rms(field(scheme, n) - field(CORE, 2 * meshes[-1]))
 
     return error
 
 
-def course(load: dict[str, Any], line: dict[str, Any], until: float, name: str = "contact_position") -> Any:
-    """Where a load comes to on a line, (time, axis)."""
-
-    def places(way: Ways, n: int) -> Array:
-        scenario = motion_of({"r": line | {"elements": n}}, {"p": load | {"on": "r"}}, until, gravity=9.81)
-        return np.array([getattr(frame, name)[0] for frame in way(scenario, np.linspace(0.0, until, 51))])
-
-    return places
-
-
-ROPE = {"start": [0, 0], "end": [20, 1], "length": 20.2, "mass": 1.0, "axial_stiffness": 1e5, "axial_damping": 2e3}
-DECK = {"start": [0, 0], "end": [20, 0], "tension": 160e3, "mass": 100.0, "axial_stiffness": 1e8, "axial_damping": 1e4}
-WALKER = {"kind": "walker", "mass": 80.0, "speed": 1.2, "from": 5.0, "foot_mass": 1.0, "leg_damping": 100.0}
-KICK = {"time": [0.0, 0.3, 0.31, 0.36, 0.37], "value": [[0, 0], [0, 0], [0, 2500], [0, 2500], [0, 0]]}
-THROWN = {"kind": "mass", "mass": 20.0, "lift_off": True, "force": KICK, "travel": {"speed": 5.0, "from": 5.0}}
-ASIDE = {"kind": "mass", "mass": 30.0, "force": [0, 60, 0], "travel": {"speed": 6.0, "from": 4.0}}
-STAYS = {"kind": "mass", "mass": 30.0, "travel": {"speed": 6.0, "from": 15.0, "at_end": "stay"}}
-VEHICLE = {
-    "kind": "vehicle", "travel": {"speed": 6.0, "from": 4.0}, "bodies": {"car": {"mass": 30.0, "inertia": 10.0}},
-    "wheels": {"front": {"at": 0.75, "mass": 1.0}, "rear": {"at": -0.75, "mass": 1.0}},
-    "springs": {"a": {"between": ["car", "front"], "stiffness": 3e3, "damping": 50.0},
-                "b": {"between": ["car", "rear"], "stiffness": 3e3, "damping": 50.0}},
+STRUCTURES = {
+    "joined ropes": (joined, (50, 100, 200), 2), "bridge, 50 hangers": (bridge, (408, 816, 1632), 2),
+    "net": (net, (25, 50, 100), 1),
 }  # fmt: skip
-IN_SPACE = ROPE | {"start": [0, 0, 0], "end": [20, 0, 1]}
-
-LINKS, FINER, FEW = (100, 200, 400), (50, 100, 200), (20, 40, 80)
-RESTRAINED_BY = {"stiffness": 2e3}
-PROBLEMS = (
-    *(Problem(f"force on a string, {a} c", "field, F L/P, rms", LINKS, "ropes", force(a)) for a in (0.5, 0.9, 1.3)),
-    *(Problem(f"force that starts, {kind}, {a} c", "drift", (384, 768, 1536), "ropes", begins(a, kind))
-      for kind, a in (("clamped", 0.46), ("clamped", 0.85), ("frictionless", 0.46), ("frictionless", 0.85))),
-    Problem("the same on a stiff line, 0.85 c", "drift", (192, 384, 768), "stiff lines", begins(0.85, "clamped", True)),
-    *(Problem(f"mass of the string, {a} c", "deflection, m g L/P", FINER, "ropes", mass(a))
-      for a in (0.2, 0.5, 0.8, 0.95)),
-    *(Problem(f"mass of the string, {a} c", "force, m g, rms", FINER, "ropes", mass(a, of="force"))
-      for a in (0.2, 0.5, 0.8)),
-    Problem("  until waves come back, 0.8 c", "force, m g, rms", FINER, "ropes", mass(0.8, of="force", part=0.85)),
-    *(Problem(f"mass of {m} of the string, 0.3 c", "deflection, m g L/P", FINER, "ropes", mass(0.3, m))
-      for m in (0.006, 0.02, 0.08, 4.0)),
-    *(Problem(f"mass of {m} of the string, {a} c", "force, m g, rms", FINER, "ropes", mass(a, m, "force"))
-      for a, m in ((1.3, 0.3), (1.3, 3.0), (2.0, 3.0))),
-    Problem("two masses, 0.4 c", "deflection, m g L/P", FINER, "ropes", two_masses),
-    *(Problem(f"oscillator, K = {k}, wheel {w}", "force, m g, rms", FINER, "ropes", oscillator(k, w))
-      for k, w in ((5.0, 0.0), (50.0, 0.0), (50.0, 0.1))),
-    Problem("force across a beam", "largest, of the largest", (12, 24, 48), "stiff lines", on_beam(0.0)),
-    Problem("mass across a beam", "largest, of the largest", (12, 24, 48), "stiff lines", on_beam(0.5)),
-    Problem("mass that loses contact", "place, of the length", (25, 50, 100), "ropes", lost),
-    Problem("bead that slides", "x, m", (25, 50, 100), "ropes", slides(0.0)),
-    Problem("bead that rubs", "x, m", (25, 50, 100), "ropes", slides(0.1)),
-    Problem("mass thrown up and landing", "m, rms", FEW, "ropes", beside(course(THROWN, ROPE, 1.2), "ropes", 160)),
-    Problem("walker on a deck", "m, rms", FEW, "ropes",
-            beside(course(WALKER, DECK, 1.5, "body_position"), "ropes", 160)),
-    Problem("mass pushed to the side", "m, rms", FEW, "ropes", beside(course(ASIDE, IN_SPACE, 0.6), "ropes", 320)),
-    Problem("mass that stays at the end", "m, rms", FEW, "ropes", beside(course(STAYS, ROPE, 1.2), "ropes", 320)),
-    Problem("vehicle", "m, rms", FEW, "ropes", beside(course(VEHICLE, ROPE, 0.6, "body_position"), "ropes", 320)),
-    *(Problem(f"audit, mass, {of}", "imbalance; steps", (160, 320, 640), "ropes",
-              audit({"travel": {"speed": 6.0, "from": 5.0, "measured": of}}))
-      for of in ("material", "slip", "horizontal")),
-    Problem("audit, frictionless mass", "imbalance; steps", (160, 320, 640), "ropes",
-            audit({"contact": "frictionless", "travel": {"speed": 6.0, "from": 5.0}})),
-    Problem("audit, bead", "imbalance; steps", (160, 320, 640), "ropes",
-            audit({"travel": {"kind": "free", "speed": 3.0, "from": 5.0}})),
-    Problem("audit, bead that rubs", "imbalance; steps", (160, 320, 640), "ropes",
-            audit({"travel": {"kind": "free", "speed": 3.0, "from": 5.0, "friction": 0.05}})),
-    Problem("audit, bead that comes to the end", "imbalance; steps", (160, 320, 640), "ropes",
-            audit({"travel": {"kind": "free", "speed": 12.0, "from": 14.0, "at_end": "stay"}})),
-    Problem("force over a spring", "at the spring, rms", (25, 50, 100), "", station(0.0, "station", stiffness=2e3)),
-    Problem("force over a held mass", "at the mass, rms", (25, 50, 100), "", station(0.0, "station", mass=5.0)),
-    Problem("mass over a spring", "at the spring, rms", (25, 50, 100), "", station(10.0, "station", stiffness=2e3)),
-    Problem("mass over a spring", "below the mass, rms", (25, 50, 100), "", station(10.0, "load", stiffness=2e3)),
-    Problem("force over a pier of a beam", "largest, of the largest", (25, 50, 100), "", pier),
-    Problem("bead over a saddle", "speed, of its change, rms", (20, 40, 80), "", saddle),
-)  # fmt: skip
 
 
-def main(names: Sequence[str] = ()) -> None:
-    """Print errors on three meshes and the order between the last two, old beside new; of lines with such a name."""
-    print("\nErrors on three meshes and their observed order: the scheme with events beside contacts on splines")
-    print(f"{'':38}{'error':27}{'meshes':16}{'with events':>30}{'order':>7}{'on splines':>30}{'order':>7}")
-    for problem in PROBLEMS:
-        if names and not any(name in problem.name for name in names):
-            continue
-        cells = [_cells(problem, way) for way in ([OLD[problem.old], NEW] if problem.old else [None, NEW])]
-        meshes = "/".join(map(str, problem.meshes))
-        print(f"{problem.name:38}{problem.measure:27}{meshes:16}" + "".join(cells), flush=True)
+# -- CPU time to equal error, and per link and step ---------------------------------------------------------------
 
 
-def _cells(problem: Problem, way: Ways | None) -> str:
-    if way is None:
-        return f"{'none':>30}{'':7}"
-    errors: list[float] = []
-    for n in problem.meshes:
-        try:
-            errors.append(problem.error(way, n))
-        except RopewalkError as refused:
-            return f"{str(refused).splitlines()[0][:28]:>30}{'':7}"
-    order = np.log2(errors[-2] / errors[-1])
-    return f"{', '.join(f'{error:.1e}' for error in errors):>30}{order:7.1f}"
+def seconds_at(error: float, errors: Array, seconds: Array) -> float:
+    """Return CPU seconds to reach an error, by powers between meshes; beyond them by the power of all."""
+    x, y = np.log(errors), np.log(seconds)
+    order = np.argsort(x)
+    if x.min() <= np.log(error) <= x.max():
+        return float(np.exp(np.interp(np.log(error), x[order], y[order])))
+    return float(np.exp(np.polyval(np.polyfit(x, y, 1), np.log(error))))
+
+
+def errors(rows: Sequence[str] = (), rounds: int = 11, coarser: int = 1) -> None:
+    """Print the CPU time to reach the same error by today's best scheme and by the core.
+
+    Args:
+        rows: parts of the names of problems; none: all.
+        rounds: turns of which medians are taken.
+        coarser: what numbers of links are divided by.
+    """
+    problems = [problem for problem in PROBLEMS if problem.core]
+    for name, (make, meshes, lines) in STRUCTURES.items():
+        coarse = tuple(n // coarser for n in meshes)
+        problems.append(Problem(name, "field, m, rms", meshes, "", of_field(make, coarse, lines), core=True))
+    asked = (problem for problem in problems if not rows or any(row in problem.name for row in rows))
+    found = (compared(problem, [n // coarser for n in problem.meshes], rounds) for problem in asked)
+    table(["problem", "links", "today: errors", "core: errors", "at", "today, CPU ms", "core, CPU ms", "ratio"], found)
+
+
+def agreement(rows: Sequence[str] = (), coarser: int = 1) -> None:
+    """Print by how much fields of today's system and of the core differ on the same mesh, over the largest motion."""
+    found = list[Sequence[object]]()
+    for name, (make, meshes, _) in STRUCTURES.items():
+        for n in (n // coarser for n in meshes if not rows or any(row in name for row in rows)):
+            scenario = make(n)
+            times = np.array([0.0, scenario.run.until])
+            (start, today), (_, core) = (np.array([frame.position for frame in way(scenario, times)])
+                                         for way in (SPLINES, CORE))  # fmt: skip
+            moved, apart = float(np.abs(today - start).max()), core - today
+            found.append([name, n, f"{moved:.3g}", f"{rms(apart) / moved:.1e}", f"{np.abs(apart).max() / moved:.1e}"])
+    table(["field, same mesh", "links", "largest motion, m", "difference, rms", "largest"], found)
+
+
+def compared(problem: Problem, meshes: Sequence[int], rounds: int) -> Sequence[object]:
+    """Return a row of the table."""
+    schemes: dict[str, Scheme] = {"splines": SPLINES, "core": CORE}
+    if problem.old:
+        schemes = {"events": OLD[problem.old], **schemes}
+    missed: dict[str, list[float]] = {name: [] for name in schemes}
+    spent: dict[str, list[Array]] = {name: [] for name in schemes}
+    for n in meshes:
+        timings = dict[str, Timing]()
+        for name, scheme in schemes.items():
+            asked, error = _asked(problem, scheme, n)
+            missed[name].append(error)
+            timings[name] = scheme.timing(asked)
+        for name, seconds in in_turn(timings, rounds).items():
+            spent[name].append(seconds)
+    at = {name: np.array(errors) for name, errors in missed.items()}
+    middle = min(at[name][len(meshes) // 2] for name in schemes if name != "core")
+    error = float(np.clip(middle, max(e.min() for e in at.values()), min(e.max() for e in at.values())))
+    taken = {
+        name: np.array([seconds_at(error, at[name], turn) for turn in np.transpose(seconds)])
+        for name, seconds in spent.items()
+    }
+    best = min((name for name in schemes if name != "core"), key=lambda name: median(taken[name].tolist()))
+    ratio = median((taken["core"] / taken[best]).tolist())
+    shown = [f"{best}: " + ", ".join(f"{e:.1e}" for e in at[best]), ", ".join(f"{e:.1e}" for e in at["core"])]
+    times = [f"{1e3 * median(taken[name].tolist()):.1f}" for name in (best, "core")]
+    return [problem.name, ", ".join(map(str, meshes)), *shown, f"{error:.1e}", *times, f"**{ratio:.2f}**"]
+
+
+def _asked(problem: Problem, scheme: Scheme, n: int) -> tuple[Scenario, float]:
+    """Return the scenario of a problem on a mesh, and its error by a scheme."""
+    asked = list[Scenario]()
+
+    def noting(scenario: Scenario, times: Array) -> list[Any]:
+        asked.append(scenario)
+        return scheme(scenario, times)
+
+    error = problem.error(noting, n)
+    return asked[-1], error
+
+
+class Shape(NamedTuple):
+    """A structure whose steps are timed."""
+
+    name: str
+    scenario: Scenario
+    links: int
+    """Links of a step; of a net, nodes."""
+    today: Scheme = SPLINES
+
+
+def shapes(coarser: int = 1) -> Iterator[Shape]:
+    """Yield structures, with runs of about WORK links and steps.
+
+    Args:
+        coarser: what numbers of links are divided by.
+    """
+    for n in (200 // coarser, 800 // coarser):
+        scenario = until(rope(n, 0.0), min(0.5, 1.1e-2 * WORK / n**2))
+        run = scenario.run.model_copy(update={"method": "verlet"})
+        yield Shape(f"one rope, {n} links", scenario.model_copy(update={"run": run}), n, ROPES)
+    for n in (50 // coarser, 200 // coarser, 800 // coarser):
+        yield Shape(f"joined ropes, {n} links", until(joined(n), min(0.5, 1e-2 * WORK / n**2)), n)
+    hangers = 50 // coarser
+    yield Shape(f"bridge, {hangers} hangers", bridge(16 * hangers + 16, hangers), 17 * hangers + 16)
+    cells = 99 // coarser
+    yield Shape(f"net, {cells + 1} x {cells + 1} nodes", until(net(cells), 0.005 * coarser), (cells + 1) ** 2)
+
+
+def steps(rows: Sequence[str] = (), rounds: int = 11, coarser: int = 1) -> None:
+    """Print CPU time per link and step (of nets: per node and step), ns."""
+    cores = (f"core, {each}" for each in variants())
+    head = ["ns", "today, AVX2", "bare C loop, AVX2", *cores, "core, avx2, over today", "over the bare loop"]
+    asked = (shape for shape in shapes(coarser) if not rows or any(row in shape.name for row in rows))
+    table(head, (timed(shape, rounds) for shape in asked))
+
+
+def timed(shape: Shape, rounds: int) -> Sequence[object]:
+    """Return a row of the table."""
+    schemes = {"today": shape.today, **{each: Core(each) for each in variants()}}
+    timings = {each: scheme.timing(shape.scenario) for each, scheme in schemes.items()}
+    count = int(WORK / shape.links)
+    timings["bare"] = Timing(bare_loop(shape.links, count, march=MARCH), count)
+    spent = in_turn(timings, rounds)
+    per = {each: 1e9 * spent[each] / timing.steps / shape.links for each, timing in timings.items()}
+    cells = [f"{np.median(per[each]):.2f}" for each in ("today", "bare", *variants())]
+    ratios = [f"**{np.median(per['avx2'] / per[each]):.2f}**" for each in ("today", "bare")]
+    return [shape.name, *cells, *ratios]
+
+
+def overhead() -> None:
+    """Print the quantities of EN 50318:2002 with their ranges, and how much faster than real time motions are."""
+    from tests.overhead.test_en50318_2002 import HALF, RANGES, passage
+
+    found = list[Sequence[object]]()
+    for speed in (250, 300):
+        for element, settings in ((0.25, ()), (0.5, HALF)):
+            eight = passage(speed, settings)
+            inside = len(RANGES) - len(eight.outside(speed))
+            found.append([speed, element, f"{inside} of {len(RANGES)}", *(f"{x:.1f}" for x in eight.eight.values())])
+    table(["km/h", "element, m", "inside", *(name for name in RANGES)], found)
+    rows = list[Sequence[object]]()
+    for geometry in ("linearised", "nonlinear"):
+        for element in (0.25, 0.5):
+            seconds, step = motion_alone(reference(element=element, geometry=geometry), 0.5)
+            rows.append([geometry, element, f"{1e3 * seconds:.1f}", f"{step:.3g}"])
+    table(["300 km/h, 10 spans", "element, m", "CPU, ms per s of motion", "step, ms"], rows)
+
+
+def main(parts: Sequence[str] = (), rows: Sequence[str] = (), rounds: int = 11, cold: Sequence[str] = ()) -> None:
+    """Print the tables of some parts; none: all."""
+    tables: dict[str, Callable[[], None]] = {
+        "contacts": lambda: contacts(rows), "errors": lambda: errors(rows, rounds),
+        "agreement": lambda: agreement(rows), "steps": lambda: steps(rows, rounds),
+        "overhead": overhead, "setup": lambda: table(*setup()), "processes": lambda: processes(table, cold),
+    }  # fmt: skip
+    for part in parts or tables:
+        if part in LIMITED and os.environ.get("NUMBA_CPU_NAME") != MARCH:
+            limited(part, [*(word for row in rows for word in ("--row", row)), "--rounds", str(rounds)])
+        else:
+            print(f"\n{part}")
+            tables[part]()

@@ -1,4 +1,4 @@
-"""What an instant of output costs beside the motion, how soon the first answer is there, and large results."""
+"""What an instant of output costs next to the motion, and large results."""
 
 from __future__ import annotations
 
@@ -35,18 +35,6 @@ gravity: 0
 lines: {string: {start: [0, 0], end: [10, 0], tension: 1 kN, mass: 0.1, axial_stiffness: 100 kN, elements: 1000000}}
 loads: {one: {kind: force, on: string, force: [0, -10], travel: {speed: 10}}}
 run: {kind: dynamic, until: %r, every: 5 ns, step: 5 ns}
-"""
-FIRST = """
-import time
-begin = time.process_time()
-from benchmarks.output import CASES
-from ropewalk.simulate import simulate
-scenario = CASES[%r]().model_copy(deep=True)
-imported = time.process_time()
-simulate(scenario)
-first = time.process_time()
-simulate(scenario)
-print(imported - begin, first - imported, time.process_time() - first)
 """
 
 
@@ -95,16 +83,6 @@ def _timed(scenario: Scenario) -> tuple[float, int]:
     return clock.process_time() - begin, count
 
 
-def first() -> None:
-    """Print CPU seconds of a process: imports, first and second run with kernels from the cache."""
-    print("\nA fresh process with kernels in the cache, CPU s: imports, first run, the same again")
-    for name in CASES:
-        command = [sys.executable, "-c", FIRST % name]
-        found = [subprocess.run(command, capture_output=True, text=True, check=True).stdout for _ in range(ROUNDS)]
-        rows = zip(*(map(float, row.split()) for row in found), strict=True)
-        print(f"  {name:20}" + "".join(f"{median(row):7.3f}" for row in rows), flush=True)
-
-
 def large(frames: int) -> dict[str, Any]:
     """Peak memory in GB and seconds of a string of a million links with some frames, written to a file."""
     from ropewalk.scenario import loads
@@ -130,7 +108,6 @@ def memory() -> None:
 def main() -> None:
     """Print all tables."""
     instants()
-    first()
     memory()
 
 

@@ -125,7 +125,7 @@ def peak(spans: int) -> tuple[float, float]:
     return float(memory), float(seconds)
 
 
-def main(*, whole: bool = False) -> None:
+def main(whole: bool = False) -> None:
     """Print the table.
 
     Args:

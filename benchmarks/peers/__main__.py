@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from dataclasses import replace
 
 from . import PEERS
@@ -43,7 +44,7 @@ def print_case(case: str, wanted: list[str], limit: float, until: float | None) 
         print(f"{key[0]:16} {key[1]:27}" + "".join(cells))
 
 
-def main() -> None:
+def main(words: Sequence[str] | None = None) -> None:
     """Read the arguments and print the cases."""
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks.peers", description="Error against CPU seconds of the peers that are installed."
@@ -52,7 +53,7 @@ def main() -> None:
     parser.add_argument("--peer", action="append", default=[], help="part of a peer's name; may be repeated")
     parser.add_argument("--limit", type=float, default=5.0, help="skip what is predicted above these CPU seconds")
     parser.add_argument("--until", type=float, help="end in s; the undamped rope becomes chaotic late")
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(words)
     for case in CASES if arguments.case == "all" else [arguments.case]:
         print_case(case, arguments.peer, arguments.limit, arguments.until)
 

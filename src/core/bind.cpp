@@ -166,13 +166,24 @@ static Finding check_joints(const Model& m, const State& s, Workspace& w) {
     return {Fault::NONE, 0, 0};
 }
 
-// Whether all inner nodes of a run have the same mobility and weight.
+// Whether all inner nodes of a run have the same mobility and weight, but for weights of the two next to each end.
 static bool is_uniform(const Model& m, const State& s, I64 run) {
-    const I64 first = s.run_first[run] + 1, last = s.run_first[run] + s.run_links[run];
-    for (I64 row = 0; row < m.axes * m.stride; row += m.stride)
-        for (I64 i = row + first; i < row + last; i++)
-            if (m.mobility[i] != m.mobility[row + first] || m.weight[i] != m.weight[row + first]) return false;
+    const I64 first = s.run_first[run], links = s.run_links[run], middle = first + links / 2;
+    for (I64 row = 0; row < m.axes * m.stride; row += m.stride) {
+        for (I64 k = 1; k < links; k++) {
+            const bool is_near = k < 3 || k > links - 3;
+            if (m.mobility[row + first + k] != m.mobility[row + middle]) return false;
+            if (m.weight[row + first + k] != m.weight[row + middle] && !is_near) return false;
+        }
+    }
     return true;
+}
+static bool has_end_loads(const Model& m, const State& s, I64 run) {
+    bool has = false;
+    visit_near_ends(s, run, [&](I64 i, I64 middle) {
+        for (I64 row = 0; row < m.axes * m.stride; row += m.stride) has |= m.weight[row + i] != m.weight[row + middle];
+    });
+    return has;
 }
 
 static void prepare(const Model& m, const State& s, Workspace& w) {
@@ -180,7 +191,10 @@ static void prepare(const Model& m, const State& s, Workspace& w) {
     for (I64 i = 0; i < m.parts * stride_of(SCRATCH_SIZE); i++) w.scratch[i] = 0.0;
     for (I64 part = 0; part < m.parts; part++) w.arrived[part * stride_of(1)] = 0;
     for (I64 band = 0; band < m.bands; band++) w.band_part[band] = part_of(m, s, band);
-    for (I64 r = 0; r < m.runs; r++) w.run_pulled[r] = 0, w.run_uniform[r] = is_uniform(m, s, r);
+    for (I64 r = 0; r < m.runs; r++) {
+        w.run_uniform[r] = is_uniform(m, s, r);
+        w.run_pulled[r] = w.run_loaded[r] = w.run_uniform[r] && has_end_loads(m, s, r);
+    }
     for (I64 i = 0; i < m.nodes; i++) w.link_kink[i] = 0.0, w.link_contacts[i] = 0;
     const auto pull = [&](I64 node) {
         if (const I64 run = run_around(m, s, node); run >= 0) w.run_pulled[run] = 1;

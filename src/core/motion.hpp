@@ -39,6 +39,7 @@ struct Motion {
     void begin_step(double dt) {
         pull_springs();
         add_others();
+        load_ends();
         press_contacts(s.lag[0] + 0.5 * dt);
         pull_bands(0, m.nodes, m.parts);
     }
@@ -117,6 +118,17 @@ struct Motion {
             E::force(p, Context{s.time[0], 0.0}, x, v, f);
             scatter<E, AXES>(f, m.stride, nodes, w.force);
         });
+    }
+
+    // What nodes next to ends of runs weigh more than the others there.
+    void load_ends() {
+        for (I64 run = 0; run < m.runs; run++) {
+            if (!w.run_loaded[run]) continue;
+            visit_near_ends(s, run, [&](I64 i, I64 middle) {
+                for (I64 row = 0; row < AXES * m.stride; row += m.stride)
+                    w.force[row + i] += m.weight[row + i] - m.weight[row + middle];
+            });
+        }
     }
 
     // Find all contacts, and add their forces to those on nodes.

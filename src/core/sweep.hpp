@@ -226,7 +226,7 @@ struct Sweep {
     }
     void move_nodes(I64 a, I64 begin, I64 end) {
         if (is_uniform)
-            move_nodes(Uniform<AXES>(m, first + 1), a, begin, end);
+            move_nodes(Uniform<AXES>(m, first + links / 2), a, begin, end);
         else
             move_nodes(Various{m}, a, begin, end);
     }

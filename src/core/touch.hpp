@@ -137,16 +137,13 @@ struct Touch {
             Solution<Dual<1>> found;
             const Dual<1> missing = miss(r, stretched, Dual<1>(square), Dual<1>(K, 0), found);
             const bool bears = r.has_body || found.moving.value > 0.0;
-            if (bears && missing.value < 0.0)
-                low = K;
-            else if (bears)
-                high = K;
+            (bears && missing.value >= 0.0 ? high : low) = K;
             double next = K - missing.value / missing.slope[0];
             if (!bears || (missing.value < -K && !r.has_body && next > 8.0 * K)) next = 4.0 * K + 5e-5 * unit;
             if (!(next >= low && next <= high)) next = 0.5 * (low + high);
             const bool is_found = (next > K ? next - K : K - next) <= FOUND * next;
             K = next;
-            if (is_found || low >= SLACK * unit) break;
+            if (is_found) break;
         }
         return square > 0.0 ? K : 0.0;
     }

@@ -207,7 +207,6 @@ def check_spectrum(scenario: Scenario, *, with_loads: bool, at_rest: bool = True
     """Refuse what networks and lines with inner supports do not bear at rest, and loads without matrices with loads.
 
     Args:
-        scenario: whose spectrum is asked for.
         with_loads: whether that is with its loads.
         at_rest: whether it is about rest, not about an instant of a motion.
 

@@ -26,10 +26,6 @@ Static = dict[str, dict[str, float]]
 def static_part(scenario: Scenario, simulate: Callable[[Scenario], xr.Dataset]) -> Static:
     """Largest static deflection, moment and shear of a crossing, by line and place.
 
-    Args:
-        scenario: of a motion, whose outputs ask for it.
-        simulate: runs a scenario.
-
     Raises:
         RopewalkError: the loads find no rest somewhere on their way.
     """

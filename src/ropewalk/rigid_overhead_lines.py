@@ -1,8 +1,6 @@
-"""Rigid overhead lines: what pantographs press with where nothing of a line moves.
+"""Rigid overhead lines: contact forces of pantographs below lines that do not move.
 
-They are the same lines with wires so taut that they hardly give way, and so heavy that waves along them are slow enough
-for steps: level between supports, whose heights stay as they are. Pantographs run below them as ever: all that their
-masses, springs and forces do there is theirs alone.
+Wires are so taut that they hardly give way, and so heavy that their waves are slow enough for the steps.
 """
 
 from __future__ import annotations
@@ -29,10 +27,6 @@ SAMPLES = 2000  # of a force history, at least
 
 def forces_of_pantograph(scenario: Scenario, name: str) -> dict[str, MovingForce]:
     """The forces that a pantograph exerts on rigid contact wires, by the names of its contacts in a result.
-
-    Args:
-        scenario: with a motion in time.
-        name: of the pantograph.
 
     Raises:
         RopewalkError: it does not come to the end of its run.

@@ -268,7 +268,7 @@ def sample_warnings(scenario: Scenario) -> list[str]:
     irregular = (getattr(load, "irregularity", None) for load in scenario.loads.values())
     if not any(irregular) and not any(line.profile for line in scenario.lines.values()):
         return []
-    from ropewalk.overhead.sample_range import check_samples  # lazy: most runs have no such file
+    from ropewalk.overhead.irregularity import check_samples  # lazy: most runs have no such file
 
     return check_samples(scenario)
 

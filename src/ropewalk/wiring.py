@@ -138,9 +138,7 @@ def task_of(scenario: Scenario) -> WireTask:
         diagnostics += tuple(remark for name, line in scenario.overhead_lines.items() for remark in _unseen(name, line))
     return WireTask(
         plan, tuple(prescribed_motions), tuple(contacts), tuple(displayed), elements,
-        external_models=tuple(external_models),
-        diagnostics=diagnostics,
-        **more,
+        external_models=tuple(external_models), diagnostics=diagnostics, **more,
     )  # fmt: skip
 
 
@@ -157,11 +155,7 @@ def _in_mode(start: Beginning, groups: Mapping[str, range], rest: WireStart) -> 
 
 
 def _as_stored(start: Beginning, space: bool, bow: Array | None, rest: WireStart) -> tuple[Array, Array]:
-    """Positions and velocities of wires at a stored instant.
-
-    Raises:
-        RopewalkError: the file does not fit, or an end is held elsewhere.
-    """
+    """Positions and velocities of wires at a stored instant."""
     axes = [0, 1, 2] if space else [0, 2]
     found = stored_instant(start, rest.mesh.nodes, len(axes))
     position, velocity = rest.position.copy(), np.zeros_like(rest.position)
@@ -227,9 +221,6 @@ def _pantograph(name: str, load: Pantograph, under: Sequence[_Under], until: flo
     """The prescribed motion of a pantograph.
 
     Args:
-        name: of the load.
-        load: as declared.
-        under: the lines that it is under, its own first.
         until: s, end of the run.
         slow: whether it presses with all of its force from the beginning.
     """

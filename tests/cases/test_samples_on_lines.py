@@ -10,7 +10,7 @@ import pytest
 from ropewalk import load
 from ropewalk.errors import ScenarioError
 from ropewalk.model import Scenario
-from ropewalk.overhead.sample_range import check_samples
+from ropewalk.overhead.irregularity import check_samples
 from ropewalk.simulate import simulate
 
 HERE = Path(__file__).parent

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sparse
 
-from ropewalk.system.elements.products import Products, scaled
+from ropewalk.system.elements.link_forms import Products, scaled
 
 
 @pytest.mark.parametrize(("rows", "factors", "columns"), [(7, 5, 9), (1, 3, 2), (4, 6, 4), (3, 0, 2)])

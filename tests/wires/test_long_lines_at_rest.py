@@ -12,7 +12,7 @@ import pytest
 
 from overhead_cases import SIMPLE_AC, long_line
 from ropewalk.model import Scenario
-from ropewalk.wires import rest, stretches
+from ropewalk.wires import rest
 from ropewalk.wires.task import ready
 from ropewalk.wiring import task_of
 
@@ -26,14 +26,14 @@ def test_a_line_at_rest_is_that_of_one_piece(
     changed: dict[str, Any], beside: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: Scenario = long_line(30, None, run=RUN, **changed)
-    whole, used = task_of(asked), list[Any]()
+    whole, used, solve = task_of(asked), list[Any](), rest.solve_by_stretches
     one = ready(whole)[1]
     monkeypatch.setattr(rest, "AT_ONCE", 100)
-    monkeypatch.setattr(stretches, "_PIECE", 2000)
-    monkeypatch.setattr(stretches, "_BESIDE", beside)  # 13 and 5 spans with links of 0.5 m
+    monkeypatch.setattr(rest, "_PIECE", 2000)
+    monkeypatch.setattr(rest, "_BESIDE", beside)  # 13 and 5 spans with links of 0.5 m
 
     def noted(*given: Any, **more: Any) -> Any:
-        used.append(stretches.solve_by_stretches(*given, **more))
+        used.append(solve(*given, **more))
         return used[-1]
 
     monkeypatch.setattr(rest, "solve_by_stretches", noted)
@@ -57,9 +57,9 @@ def test_what_far_away_is_felt_is_solved_for_at_once(monkeypatch: pytest.MonkeyP
     free, x, load = np.ones(nodes, dtype=np.bool_), np.arange(float(nodes)), -np.ones(nodes)
     free[[0, -1]] = False
     given = (K, rest.sparse.csr_matrix((0, nodes)), np.zeros(0), free, load, np.zeros(0), x)
-    monkeypatch.setattr(stretches, "_PIECE", 500)
-    monkeypatch.setattr(stretches, "_BESIDE", 100)
-    assert stretches.solve_by_stretches(*given) is None
+    monkeypatch.setattr(rest, "_PIECE", 500)
+    monkeypatch.setattr(rest, "_BESIDE", 100)
+    assert rest.solve_by_stretches(*given) is None
     monkeypatch.setattr(rest, "AT_ONCE", 100)
     z = rest._solve(*given)[0]
     np.testing.assert_allclose(z, -0.5 * x * (x[-1] - x), rtol=1e-9, atol=1e-6)

@@ -1,7 +1,7 @@
 """The pieces of line beside wheels that have a place of their own, at many instants at once.
 
 A wheel stands within a link, which it divides, or in the place of a node. Only these links are looked at here: whole
-ones are those of lines without wheels (`many_frames.py`).
+ones are those of lines without wheels (`frames.py`).
 """
 
 from __future__ import annotations
@@ -108,11 +108,8 @@ class SplitLinks:
         """Look for them.
 
         Args:
-            strands: the lines.
             strand: (wheel,) of each.
             xi, speed: (instant, wheel) m, m/s.
-            nodes: of the lines.
-            bodies: what stands on them.
         """
         inside = bodies.phase == INSIDE
         order = np.lexsort((xi, np.where(inside, bodies.at, nodes.X.shape[1])), axis=-1)  # those inside of links first

@@ -14,7 +14,6 @@ def energies_of_ends(ends: Ends, t: Array, r: Array, w: Array) -> tuple[Array, A
     """Kinetic, elastic and gravitational energies of what yields or moves with ends, (instant,) J.
 
     Args:
-        ends: they.
         t: (instant,) s.
         r, w: (instant, axis, node) m, m/s.
     """
@@ -50,7 +49,6 @@ def let_yield(setting: PreparedRun, ends: Ends, t: Array, X: Array, r: Array, w:
     spring, damper, rail and mass.
 
     Args:
-        setting, ends: the lines.
         t, X, r, w: (instant, ...) as of the chain.
         reaction: changed in place, N.
     """

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ropewalk.chains.beginning import initial_state
-from ropewalk.chains.frames import ChainFrameBuilder, layout_of
-from ropewalk.chains.many_frames import ManyStates
+from ropewalk.chains.frames import ChainFrameBuilder, ManyStates, layout_of
 from ropewalk.checkpoint import Tree
 from ropewalk.controllers.assembly import controllers_of
 from ropewalk.controllers.partner import Partner
@@ -45,8 +44,6 @@ class Chain:
     """Plain lines as the engine of a motion, in their first state.
 
     Args:
-        scenario: what is computed.
-        run_info: filled in.
         times: output instants in s, from 0.
         past: what `get_state` gave, to go on from there: method and step are those.
 

@@ -23,8 +23,6 @@ class ChainStatics:
     """A run without inertia: its layout, and its frames.
 
     Args:
-        scenario: what is computed.
-        run_info: filled in.
         until: how long the histories of the loads are needed, s.
 
     Raises:
@@ -51,7 +49,6 @@ class ChainStatics:
         """Yield frames at equal steps of the load path, until all loads have left their lines or stopped.
 
         Args:
-            positions: how many.
             turn: rad, see `solve/following.py`.
 
         Raises:
@@ -105,14 +102,8 @@ def loaded_frame(setting: PreparedRun, at: LoadPosition) -> Frame:
     seen.state[:] = STICKS
     seen.leave(at.left)
     return Frame(
-        path=at.path,
-        position=nodes,
-        velocity=np.zeros_like(nodes),
-        tension=np.concatenate(tension),
-        strain=np.concatenate(strain),
-        **seen.fields(),
-        body_position=bodies,
-        body_velocity=np.zeros_like(bodies),
+        path=at.path, position=nodes, velocity=np.zeros_like(nodes), tension=np.concatenate(tension),
+        strain=np.concatenate(strain), **seen.fields(), body_position=bodies, body_velocity=np.zeros_like(bodies),
         reaction=np.array(reaction),
         energy=energies(elastic=elastic, gravitational=gravitational, load_potential=potential),
-    )
+    )  # fmt: skip

@@ -1,12 +1,7 @@
-"""The standard approach: a scenario answered by the classical theory of small deflections (`run: {kind: linear}`).
+"""Linear theory of small deflections (`run: {kind: linear}`), with which the nonlinear answer is compared.
 
-Every line is a taut string, or with bending stiffness a beam on two simple supports, along the chord between its
-supports, with the mean tension that it has at rest. Its material points move across the chord only, which the loads do
-not stretch; deflections of all forces add up. A mass, an oscillator or a vehicle is coupled with its line in both
-directions and travels over it alone, with constant speed. This is what the nonlinear answer is compared with: exact
-within the theory, and wrong where the theory is (near supports, at finite angles, beyond the wave speed).
-
-What is joined, held on its way or a surface has no closed form, nor have some loads with a mass, as those that start
-on a string between its ends or run uphill: there lines swing in the modes of their own stiffness and masses about rest
-(`solve/modal.py`, `solve/superposition.py`), in all directions, with what stands on it.
+Every line is a taut string or a simply supported beam along its chord, with its mean tension at rest; loads do not
+stretch it, and their deflections add up. A load with a mass is coupled with its line in both directions, alone and at
+constant speed. Structures without closed forms swing in the modes of their own stiffness and masses about equilibrium
+(`solve/modal.py`, `solve/superposition.py`).
 """

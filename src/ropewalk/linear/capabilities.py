@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from ropewalk.model._base import Finding
-from ropewalk.model.capabilities import OF_LINEAR_THEORY, Capabilities
+from ropewalk.model.capabilities import LAWS_OF_STRAIN, OF_LINEAR_THEORY, WITHOUT_KIND, Capabilities
 from ropewalk.model.history import SpeedTable, rows
 from ropewalk.model.line import Line
 from ropewalk.model.mass import MovingMass
@@ -131,7 +131,7 @@ def mass_inside(name: str, start: float) -> Finding:
 CAPABILITIES = Capabilities(
     _LINEAR,
     only={
-        "lines.law.kind": ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table", "webbing"),
+        "lines.law.kind": LAWS_OF_STRAIN,
         "lines.start_support.clamped": (False,),
         "lines.end_support.clamped": (False,),
         **OF_LINEAR_THEORY,
@@ -140,7 +140,7 @@ CAPABILITIES = Capabilities(
         "lines.law.kind": "ask for kind: quasistatic or equilibrium, or give an axial_stiffness with law hooke",
         "lines.start_support.clamped": f"leave clamped out, or {_DYNAMIC}",
         "lines.end_support.clamped": f"leave clamped out, or {_DYNAMIC}",
-        "loads.kind": f"{_DYNAMIC}, or write kind: force with its weight as force",
+        "loads.kind": WITHOUT_KIND,
         "loads.travel.kind": f"{_DYNAMIC}, or give the speed",
         "loads.contact": "ask for kind: quasistatic or dynamic, or write clamped or frictionless",
         "loads.contact_stiffness": f"leave it out, or {_DYNAMIC}",

@@ -175,7 +175,6 @@ class Field:
 
         Args:
             times: (instant,) s, all of those that `motion` was asked for.
-            rows: those of them that are meant.
         """
         loads, chord, own = self.setting.loads, self.chord, self.setting.on[self.s]
         t, dim = times[rows], chord.along.size

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+import scipy.sparse as sparse
 
 from ropewalk.linear.body_response import BodyResponse, response_of
 from ropewalk.linear.chord import Chord, chords
 from ropewalk.linear.field import Field
-from ropewalk.linear.reactions import reactions
-from ropewalk.linear.truncation import truncation_warning
 from ropewalk.mechanics.chain import FRICTIONLESS, REFUSE, Array
 from ropewalk.mechanics.moving_contact import speed_at
 from ropewalk.mechanics.vehicle_matrices import Body
@@ -20,6 +19,100 @@ from ropewalk.results.frame import ENERGY_FORMS, IN_AIR, MOVES, Contacts, RunInf
 from ropewalk.results.frames import Frames, summed
 from ropewalk.solve.start import PreparedRun
 from ropewalk.solve.superposition import passed_an_end
+
+_TERMS = 8  # of the static series for each element: the neglected ones change a support force by 4e-4 of the load
+
+
+def reactions(chord: Chord, gravity: Array, moved: Array, rate: Array, place: Array, force: Array) -> Array:
+    """Return the forces of both supports on the line, (instant, end, axis) N.
+
+    Args:
+        gravity: (axis,) m/s^2.
+        moved, rate: (instant, node, axis) m from rest and m/s, at nodes at equal distances.
+        place: (instant, load) m along the chord, NaN off the line.
+        force: (instant, load, axis) N, of the loads on the line.
+    """
+    L, on, across = chord.length, np.isfinite(place), np.eye(chord.along.size) - np.outer(chord.along, chord.along)
+    x, P = np.where(on, place, 0.0), np.where(on[..., None], force, 0.0)
+    out = -np.einsum("etj,tja->tea", np.stack([1.0 - x / L, x / L]), P) - 0.5 * chord.mass * L * gravity
+    out += np.outer([-1.0, 1.0], chord.tension * chord.along)
+    n = moved.shape[1] - 1
+    if chord.is_string:
+        h = L / n
+        near = np.stack([np.minimum(y, h) * (L - np.maximum(y, h)) for y in (x, L - x)]) / (L * chord.tension)
+        static = np.einsum("etj,tja->tea", near, P @ across)
+        return np.asarray(out - chord.tension / h * (moved[:, [1, -2]] - static))
+    m = np.arange(1, _TERMS * n)
+    k, sign = m * np.pi / L, np.where(m % 2 == 1, 1.0, -1.0)
+    elastic, ends = chord.bending_stiffness * k**4 + chord.tension * k**2, np.stack([1.0 / k, sign / k], axis=1)
+    follows = pressed(x, P @ across, k) * (2.0 / L) / (elastic + chord.foundation)
+    sag = np.outer(across @ gravity, (1.0 + sign) * 2.0 * chord.mass / (L * k * (elastic + chord.foundation)))
+    out += ((follows + sag) @ (chord.foundation * ends)).swapaxes(1, 2)
+    shape = np.sin(np.outer(k, np.arange(1, n) * (L / n)))
+    felt = moved[:, 1:-1] + chord.retardation * rate[:, 1:-1]
+    other = (felt.swapaxes(1, 2) - follows @ shape) @ (2.0 / n * shape[: n - 1].T)
+    return np.asarray(out - (other @ (elastic[:, None] * ends)[: n - 1]).swapaxes(1, 2))
+
+
+def pressed(x: Array, force: Array, k: Array) -> Array:
+    """(instant, axis, term) N, the sum of the forces times the sines at their places."""
+    i, j = np.nonzero(force.any(axis=2))
+    sines, rows = np.sin(np.outer(x[i, j], k)), (i, np.arange(i.size))
+    size = x.shape[0], i.size
+    parts = [sparse.csr_matrix((force[i, j, a], rows), shape=size) @ sines for a in range(force.shape[2])]
+    return np.stack(parts, axis=1)
+
+
+_MANY, _INSTANTS = 480, 200  # modes that stand for all, and instants among those of a run
+_LEAST = 0.05  # of the largest value of a line: smaller values are compared with this
+_REPORTED = 0.02  # of a value: errors from which on they are reported
+
+
+def truncation_errors(chord: Chord, links: int, modes: int, place: Array, force: Array) -> dict[str, float]:
+    """Return by how much the missing modes change the largest static values anywhere on a line, as parts of these.
+
+    Args:
+        links: between its nodes, at which values are compared.
+        place: (instant, load) m along the chord, NaN off the line.
+        force: (instant, load) N across it.
+    """
+    on = np.isfinite(place)
+    rows = np.flatnonzero(on.any(axis=1))
+    rows = rows[:: max(1, rows.size // _INSTANTS)]
+    x, F = np.where(on, place, 0.0)[rows], np.where(on, force, 0.0)[rows]
+    k: Array = np.arange(1.0, max(_MANY, 4 * modes) + 1.0) * (np.pi / chord.length)
+    follows = pressed(x, F[..., None], k)[:, 0] / (
+        chord.bending_stiffness * k**4 + chord.tension * k**2 + chord.foundation
+    )
+    shape = np.sin(np.outer(k, np.linspace(0.0, chord.length, links + 1)))
+    moment = shape * k[:, None] ** 2
+    quantities = {"deflection": shape, "bending moment": moment, "shear": np.diff(moment, axis=1)}
+    if chord.is_string:
+        quantities = {"deflection": shape, "slope": np.diff(shape, axis=1)}
+    found = dict[str, float]()
+    for name, terms in quantities.items():
+        whole, kept = (np.abs(follows[:, :n] @ terms[:n]).max(axis=0, initial=0.0) for n in (k.size, modes))
+        least = _LEAST * whole.max(initial=0.0)
+        found[name] = float((np.abs(kept - whole) / np.maximum(whole, least or 1.0)).max())
+    return found
+
+
+def truncation_warning(name: str, chord: Chord, links: int, modes: int, place: Array, force: Array) -> str:
+    """Return a warning of a line whose modes are too few for some quantity; empty where there is none.
+
+    Args:
+        chord, links, modes, place, force: see `truncation_errors`.
+    """
+    errors = truncation_errors(chord, links, modes, place, force)
+    if max(errors.values()) <= _REPORTED:
+        return ""
+    enough = 2 * modes
+    while enough < _MANY and max(truncation_errors(chord, links, enough, place, force).values()) > _REPORTED:
+        enough *= 2
+    missed = ", ".join(f"{100.0 * e:.2g} % of the {what}" for what, e in errors.items() if e > _REPORTED)
+    remedy = f"write run.modes: {enough}, or leave it out" if enough < _MANY else "leave run.modes out"
+    return f"line {name}: {modes} modes miss up to {missed} under these loads applied statically; {remedy}"
+
 
 _OF_LOADS = [ENERGY_FORMS.index(form) for form in ("load_kinetic", "load_potential")]
 _TOGETHER = 512  # frames that are made at once
@@ -58,8 +151,6 @@ def _missed_by_modes(
     """Warnings of lines on which a given number of modes leaves much of the static response out.
 
     Args:
-        setting: the run.
-        fields: its lines.
         pressed: places (instant, load), m, and forces of its loads, (instant, load, axis) N.
     """
     where, force = (np.concatenate(parts) for parts in zip(*pressed, strict=True))
@@ -74,11 +165,7 @@ def _missed_by_modes(
 
 
 def _refuse_to_pass(setting: PreparedRun, scenario: Scenario, fields: list[Field], times: Array) -> None:
-    """Refuse loads that would pass an end of a line whose length was not known before.
-
-    Raises:
-        RopewalkError: there is such a load.
-    """
+    """Refuse loads that would pass an end of a line whose length was not known before."""
     for field in fields:
         slack = 1e-9 * field.chord.length
         for k in setting.on[field.s]:
@@ -90,13 +177,9 @@ def _refuse_to_pass(setting: PreparedRun, scenario: Scenario, fields: list[Field
 
 
 def _frames(
-    setting: PreparedRun,
-    fields: list[Field],
-    responses: list[BodyResponse | None],
-    nodes: list[tuple[Array, Array]],
-    times: Array,
-    rows: slice,
-) -> Frames:
+    setting: PreparedRun, fields: list[Field], responses: list[BodyResponse | None], nodes: list[tuple[Array, Array]],
+    times: Array, rows: slice,
+) -> Frames:  # fmt: skip
     """The frames of some instants."""
     dim, t = len(setting.axes), times[rows]
     seen = Contacts(t.size, setting.xi.size, dim)

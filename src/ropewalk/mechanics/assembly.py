@@ -97,31 +97,24 @@ def strands_of(scenario: Scenario, lengths: Mapping[str, float]) -> Strands:
     gravity = np.zeros(len(axes))
     gravity[-1] = -scenario.gravity
     return Strands(
-        first=np.concatenate(([0], np.cumsum(links + 1)[:-1])),
-        links=links,
+        first=np.concatenate(([0], np.cumsum(links + 1)[:-1])), links=links,
         h=np.array([lengths[name] / line.elements for name, line in lines.items()]),
         rho=np.array([line.mass for line in lines.values()]),
         law=np.array([np.pad(p, (0, width - p.size)) for p in laws]),
         damping=np.array([line.axial_damping for line in lines.values()]),
-        drag=np.array([line.alpha for line in lines.values()]),
-        gravity=gravity,
-    )
+        drag=np.array([line.alpha for line in lines.values()]), gravity=gravity,
+    )  # fmt: skip
 
 
-def tabulate(
-    function: Callable[[float], Any], begin: float, end: float, tolerance: float = 1e-6
-) -> tuple[Array, NDArray[np.float64]]:
-    """Sample a callable of time so that linear interpolation is good to `tolerance` of its largest value.
+def tabulate(function: Callable[[float], Any], end: float) -> tuple[Array, NDArray[np.float64]]:
+    """Sample a callable of time so that linear interpolation is good to 1e-6 of its largest value.
 
     Args:
         function: f(t) -> float or sequence of floats, t in s.
-        begin, end: interval, s.
+        end: of the interval from 0, s.
 
     Returns:
         Times (n,) and values (n,) or (n, component).
-
-    Raises:
-        ValueError: the callable gives something that is not finite.
     """
 
     def value(t: float) -> NDArray[np.float64]:
@@ -130,7 +123,7 @@ def tabulate(
             raise ValueError(f"the callable gives {out} at t = {t:g} s: it must give finite numbers")
         return out
 
-    grid = np.linspace(begin, end, 257)
+    grid = np.linspace(0.0, end, 257)
     samples = {float(t): value(float(t)) for t in grid}
     scale = max(float(np.abs(v).max()) for v in samples.values())
     stack = [(float(a), float(b), 0) for a, b in pairwise(grid)]
@@ -139,7 +132,7 @@ def tabulate(
         middle = 0.5 * (a + b)
         samples[middle] = value(middle)
         miss = float(np.abs(samples[middle] - 0.5 * (samples[a] + samples[b])).max())
-        if miss > tolerance * scale and depth < 14:
+        if miss > 1e-6 * scale and depth < 14:
             stack += [(a, middle, depth + 1), (middle, b, depth + 1)]
     times = np.array(sorted(samples))
     return times, np.array([samples[t] for t in times])
@@ -150,7 +143,7 @@ def speed_table(speed: Any, until: float) -> tuple[Array, Array]:
     if isinstance(speed, SpeedTable):
         return np.array(speed.time), np.array(speed.value)
     if callable(speed):
-        return tabulate(speed, 0.0, until)
+        return tabulate(speed, until)
     return np.zeros(1), np.array([float(speed)])
 
 
@@ -164,7 +157,7 @@ def vector_table(history: Any, until: float, axes: tuple[str, ...]) -> tuple[Arr
         parts = {"x": force[:, 0], "y": force[:, 1] if force.shape[1] == 3 else np.zeros(times.size), "z": force[:, -1]}
         return times, np.array([parts[axis] for axis in axes])
     elif callable(history):
-        times, samples = tabulate(history, 0.0, until)
+        times, samples = tabulate(history, until)
         rows = tuple(tuple(row) for row in samples)
     else:
         times, rows = np.zeros(1), (history,)
@@ -176,7 +169,7 @@ def drive_table(drive: Any, until: float) -> tuple[Array, Array]:
     if isinstance(drive, DriveTable):
         return np.array(drive.time), np.array(drive.value)
     if callable(drive):
-        return tabulate(drive, 0.0, until)
+        return tabulate(drive, until)
     return np.zeros(1), np.array([float(drive)])
 
 
@@ -201,19 +194,15 @@ def loads_of(
         measure=codes([_MEASURES[wheel.measured] for wheel in wheels]),
         contact=codes([_CONTACTS[wheel.contact] for wheel in wheels]),
         at_end=codes([_ENDS[wheel.at_end] for wheel in wheels]),
-        margin=np.array([wheel.margin or 0.0 for wheel in wheels]),
-        speed_first=_first(speeds),
-        speed_count=_count(speeds),
-        speed_time=np.concatenate([none, *(t for t, _ in speeds)]),
+        margin=np.array([wheel.margin or 0.0 for wheel in wheels]), speed_first=_first(speeds),
+        speed_count=_count(speeds), speed_time=np.concatenate([none, *(t for t, _ in speeds)]),
         speed_value=np.concatenate([none, *(v for _, v in speeds)]),
-        speed_path=np.concatenate([none, *(Travelled(t, v).path for t, v in speeds)]),
-        force_first=_first(forces),
-        force_count=_count(forces),
-        force_time=np.concatenate([none, *(t for t, _ in forces)]),
+        speed_path=np.concatenate([none, *(Travelled(t, v).path for t, v in speeds)]), force_first=_first(forces),
+        force_count=_count(forces), force_time=np.concatenate([none, *(t for t, _ in forces)]),
         force_value=np.concatenate([np.zeros((len(axes), 0)), *(v for _, v in forces)], axis=1),
         friction=np.array([np.nan if wheel.friction is None else wheel.friction for wheel in wheels], dtype=float),
         friction_model=codes([_FRICTION_MODELS[wheel.friction_model] for wheel in wheels]),
-    )
+    )  # fmt: skip
 
 
 def supports_of(scenario: Scenario, until: float) -> Supports:
@@ -233,12 +222,10 @@ def supports_of(scenario: Scenario, until: float) -> Supports:
         stiffness=np.array([stiffness for _, stiffness, *_ in restrained]).reshape(-1, dim, dim),
         damping=np.array([damping for *_, damping, _ in restrained]).reshape(-1, dim, dim),
         mass=np.array([getattr(support, "mass", 0.0) for _, support in ends]),
-        force=np.array([force for *_, force in restrained]).reshape(-1, dim),
-        motion_first=_first(motions),
-        motion_count=_count(motions),
-        motion_time=np.concatenate([t for t, _ in motions]),
+        force=np.array([force for *_, force in restrained]).reshape(-1, dim), motion_first=_first(motions),
+        motion_count=_count(motions), motion_time=np.concatenate([t for t, _ in motions]),
         motion_value=np.concatenate([v for _, v in motions], axis=1),
-    )
+    )  # fmt: skip
 
 
 def restrained_by(support: Support, axes: tuple[str, ...]) -> tuple[Array, Array, Array, Array]:

@@ -45,11 +45,6 @@ def carriage(
     """Rockers, whose masses move with wheels, and a cabin.
 
     Args:
-        name: of the load.
-        load: what is declared of it.
-        on: its wheels.
-        dim: number of axes.
-        first: its first coordinate.
         gravity: m/s^2.
     """
     vehicle = VehicleMatrices.of(dim if load.cabin is not None else 0, [(k, a) for k in on for a in range(dim)])

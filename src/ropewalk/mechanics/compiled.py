@@ -30,8 +30,6 @@ class Kernel:
 
     Args:
         function: as it is written.
-        compiler: what compiles it.
-        options: of Numba.
     """
 
     def __init__(self, function: Callable[..., Any], compiler: type[PartCompiler], options: dict[str, Any]) -> None:
@@ -100,9 +98,7 @@ class Compiling(events.Listener):
     def __init__(self) -> None:
         self.seconds = 0.0  # so far in this process
         self.kernels = 0  # begun so far, Numba's own included
-        self.progress: Callable[[float, str], None] | None = (
-            None  # called with the part that is done, and what is begun
-        )
+        self.progress: Callable[[float, str], None] | None = None  # gets the part that is done, and what is begun
         self._depth, self._since, self._garbage = 0, 0.0, gc.get_threshold()
         self._ahead, self._begun = set[str](), set[str]()  # kernels that the outermost may call, and those begun
 

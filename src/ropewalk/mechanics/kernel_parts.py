@@ -1,10 +1,7 @@
 """Kernels as parts of others: machine code is made only of what Python calls, once, with all that it calls in it.
 
-Numba makes every function whole by itself, optimised and as machine code, optimises it again in each one that calls it,
-and again in those that call that. Here a function stays as it was lowered until Python asks for its address; then all
-that it reaches is linked, optimised and made machine code once. Measured in docs/notes/speed.md.
-
-This rests on what Numba keeps to itself: where a version of it differs, the tests of this module say so.
+A function stays as Numba lowered it until Python asks for its address; then all that it reaches is linked, optimised
+and made machine code once (docs/notes/speed.md). This rests on internals of Numba, which the tests of this module hold.
 """
 
 from __future__ import annotations

@@ -74,15 +74,9 @@ def multibody_system_of(
     """Put together all loads of a scenario.
 
     Args:
-        scenario: what is there.
-        wheels: its wheels, in order.
         strands: its lines; what depends on the mesh is which wheels are heavy, and how far from supports they stay.
             None: nobody asks for that.
-        axes: names of the axes.
         until: how long tables are needed, s.
-
-    Raises:
-        RopewalkError: a vehicle's matrices cannot be used.
     """
     dim = len(axes)
     bodies = without_vehicles(len(wheels))
@@ -118,10 +112,8 @@ def hung(payload: Payload, stiffness: float, gravity: float, axes: tuple[str, ..
     """Where a payload hangs at the beginning, seen from its trolley, (axis,) m.
 
     Args:
-        payload: what is declared of it.
         stiffness: of its rope, N/m.
         gravity: m/s^2.
-        axes: names of the axes.
     """
     if payload.at is not None:
         return components(payload.at, axes)
@@ -135,7 +127,6 @@ def static_loads(load: Vehicle, gravity: float = 0.0) -> list[float]:
     """Forces in N with which the wheels of a vehicle press on level ground at rest, in order.
 
     Args:
-        load: what is declared of it.
         gravity: that of the scenario, m/s^2, which acts on it if it has none of its own.
     """
     wheels = list(load.wheels.values())
@@ -176,11 +167,7 @@ def _crowd(scenario: Scenario, wheels: Sequence[ContactPoint], strands: Strands,
 
 
 def _fit_to_mesh(
-    bodies: Bodies,
-    wheels: Sequence[ContactPoint],
-    strands: Strands,
-    lines: list[str],
-    vehicles: list[VehicleMatrices],
+    bodies: Bodies, wheels: Sequence[ContactPoint], strands: Strands, lines: list[str], vehicles: list[VehicleMatrices],
     close: set[int],
 ) -> None:  # fmt: skip
     for k, (record, wheel) in enumerate(zip(bodies.wheels, wheels, strict=True)):

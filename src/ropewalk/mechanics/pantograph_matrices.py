@@ -30,7 +30,6 @@ def row_of(pantograph: Pantograph, ahead: float = 0.0, aside: float = 0.0) -> Ar
     """Height of a point of its head by its coordinates, (coordinate,).
 
     Args:
-        pantograph: as declared.
         ahead: m, of the middle of the head.
         aside: m, to the left of it.
     """
@@ -61,12 +60,7 @@ def vehicle_of(
     """A pantograph above contacts without mass, as a vehicle is on wheels, and what results show of it.
 
     Args:
-        name: of the load.
-        pantograph: as declared; its head does not roll.
-        on: numbers of its contacts.
         ahead: m, by how much the strip of each is ahead of the middle of the head.
-        dim: how many axes there are.
-        first: number of its first coordinate.
     """
     M, C, K = matrices_of(pantograph)
     n = M.shape[0]

@@ -15,7 +15,6 @@ def portion(nodes: int, effort: int = 1) -> int:
     """Steps in one call.
 
     Args:
-        nodes: of the structure.
         effort: how often a step of the method looks at a node.
     """
     return max(1, _WORK // (effort * (nodes + _BESIDES)))

@@ -16,6 +16,12 @@ from ropewalk.model.quantity import unit_of
 _DECIDES = {"kind": "", "contact": "friction"}
 """Keys without whose value other keys of the same block, which begin so, are not looked at."""
 
+LAWS_OF_STRAIN = ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table", "webbing")
+"""Axial laws by which tension follows from strain."""
+STATIC_LOADS = ("force", "axles", "mass", "oscillator", "trolley", "vehicle", "train", "matrices")
+"""Kinds of loads that stand still, too."""
+WITHOUT_KIND = "ask for kind: dynamic, or write kind: force with its weight as force"
+"""Remedy for a kind of load that is not supported."""
 OF_LINEAR_THEORY: Mapping[str, tuple[Any, ...]] = {
     "loads.kind": ("force", "axles", "mass", "oscillator", "vehicle", "train", "matrices"),
     "loads.travel.kind": ("prescribed",),

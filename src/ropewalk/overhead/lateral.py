@@ -26,7 +26,6 @@ def aside_of(line: OverheadLine, span: int, x: Array) -> Array:
     """Distance of the contact wire from the middle of the track, positive to the left, m.
 
     Args:
-        line: with a stagger, or without one.
         span: counted from 0.
         x: m, from the start of the span.
     """
@@ -39,7 +38,6 @@ def across(line: OverheadLine, station: Array) -> Array:
     """The same at stations in m of the line.
 
     Args:
-        line: with a stagger, or without one.
         station: m, within its ends.
     """
     supports = np.array(stations_of(line))

@@ -57,12 +57,8 @@ def elasticity_of(section: Section, force: float = 100.0, span: int | None = Non
     """Find the elasticity along a span, wires at constant tension, droppers slackening as they are relieved.
 
     Args:
-        section: the line at rest.
         force: upwards on the contact wire, N.
         span: counted from 1 (default: the first analysed one).
-
-    Raises:
-        EquilibriumError: the line has no rest, or no such span.
     """
     count = section.supports.size - 1
     span = int(np.searchsorted(section.supports, section.analysed[0])) + 1 if span is None else span
@@ -88,7 +84,6 @@ def doppler_factor(contact: Wire, speed: float) -> float:
     """Doppler factor of a pantograph; negative if it is faster than the waves.
 
     Args:
-        contact: the contact wire.
         speed: m/s.
     """
     c = wave_speed(contact)
@@ -101,7 +96,6 @@ def properties(
     """Give what is known of every overhead line of a scenario, by name, in SI units, as plain values for JSON.
 
     Args:
-        scenario: with overhead lines.
         force: of the elasticity, N.
         span: along which it is found, counted from 1 (default: the first analysed one).
         load: of the wind on the contact wire, level and across it, N/m; 0: none.

@@ -1,8 +1,6 @@
 """A section of overhead line as a plan of wires: wire 0 is the contact wire, wire 1 the messenger, then stitch wires.
 
-The plan lies straight in plan view, along x at y = 0: what the stagger does to vertical motion, the pull and the
-geometric stiffness of the steady arms and the length of droppers that lean, is in its ties. Where the wires are aside
-is kept beside it.
+The plan lies along x at y = 0: effects of the stagger on vertical motion are in its ties, places aside are kept apart.
 """
 
 from __future__ import annotations
@@ -91,11 +89,7 @@ class Section:
 
 
 def section_of(name: str, line: OverheadLine, gravity: float = 9.81) -> Section:
-    """Find the rest of an overhead line as declared, its droppers' lengths or, where these are given, its heights.
-
-    Raises:
-        EquilibriumError: it cannot rest as wanted, or not with the given lengths.
-    """
+    """Find the rest of an overhead line as declared, its droppers' lengths or, where these are given, its heights."""
     supports, view = np.array(stations_of(line)), plan_view_of(line)
     task = _task(name, line, gravity, supports, view)
     given = line.dropper_lengths
@@ -143,7 +137,6 @@ def elasticity(
     """Static rise of the contact wire per force, droppers slackening as they are relieved.
 
     Args:
-        section: the line at rest.
         force: upwards on the contact wire, N.
         span: counted from 1 (default: the middle one), of which 25 stations are taken.
         stations: where instead, m.
@@ -295,14 +288,11 @@ def _finished(
     hangers = task.hangers
     return Section(
         name, plan, line.element, supports, (float(supports[first - 1]), float(supports[last])), view,
-        droppers={hanger.name: i for i, hanger in enumerate(hangers)},
-        lengths=form.lengths,
-        stations=np.array([hanger.low.station for hanger in hangers]),
-        pull=form.pull,
+        droppers={hanger.name: i for i, hanger in enumerate(hangers)}, lengths=form.lengths,
+        stations=np.array([hanger.low.station for hanger in hangers]), pull=form.pull,
         slack=tuple(hanger.name for hanger, pull in zip(hangers, form.pull, strict=True) if pull <= 0.0),
         arms={arm.name: len(form.ties) + i for i, arm in enumerate(arms)},
-        holds={hold.name: len(task.plan.holds) + i for i, hold in enumerate(own)},
-        registered=np.array(line.registered),
+        holds={hold.name: len(task.plan.holds) + i for i, hold in enumerate(own)}, registered=np.array(line.registered),
     )  # fmt: skip
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ropewalk.model._base import Finding
-from ropewalk.model.capabilities import Capabilities, without_retardation
+from ropewalk.model.capabilities import LAWS_OF_STRAIN, WITHOUT_KIND, Capabilities, without_retardation
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.load import ExternalModel, MovingForce
 from ropewalk.model.missing import missing
@@ -69,7 +69,7 @@ MOTION = Capabilities(
         "run.geometry": ("nonlinear",),
         "run.sample": (None,),
         "run.axial_inertia": (1.0,),
-        "lines.law.kind": ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table", "webbing"),
+        "lines.law.kind": LAWS_OF_STRAIN,
         "loads.contact": ("clamped", "frictionless"),
     },
     instead={
@@ -85,5 +85,5 @@ AT_REST = Capabilities(
         "loads.kind": ("force", "mass", "oscillator", "trolley", "vehicle", "train", "matrices"),
         "loads.travel.margin": (None,),
     },
-    instead={"loads.kind": "ask for kind: dynamic, or write kind: force with its weight as force"},
+    instead={"loads.kind": WITHOUT_KIND},
 )

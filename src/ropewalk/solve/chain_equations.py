@@ -1,7 +1,6 @@
-"""Equations of motion of ropes in space, about a state, with the bodies that stand on them and ends that yield.
+"""Equations of motion of ropes in space about a state, with bodies that stand on them and ends that yield.
 
-Everything is frozen as it stands: a load stays on its particle, also one that travels freely or slides, and what is
-parked at a support, or waits beside the line, is on firm ground.
+All loads stay on their particles, also those that travel freely; what waits or is parked stands on firm ground.
 """
 
 from __future__ import annotations
@@ -58,12 +57,7 @@ def equations_of(scenario: Scenario, setting: PreparedRun, state: ChainState, bo
     """Equations of motion about a state.
 
     Args:
-        scenario: what is there.
-        setting, state: the model as it is.
         bodies: all that has a mass; None: nothing has.
-
-    Raises:
-        RopewalkError: a load has no equations of motion.
     """
     space = None if bodies is None else _in_space(scenario, setting, bodies)
     X, r, points = _points(setting, state, bodies, space)

@@ -1,8 +1,4 @@
-"""What an engineer should know of a slow motion although it went through: each remark once, where it begins.
-
-And of a motion: which contacts begin in one link, which two loads have ended it by coming together, and which one has
-torn at its support.
-"""
+"""Diagnostics of plain ropes in quasi-static runs and in motion, each reported once, where it begins."""
 
 from __future__ import annotations
 

@@ -32,10 +32,6 @@ def free_vibration(equations: Equations, how_many: int | None = None) -> Spectru
     Frequencies and shapes are the undamped ones. Ratios are those of the damped modes, -Re lambda / |lambda|, or where
     these do not oscillate x^T C x / (2 w) with x^T M x = 1, right to the first order.
 
-    Args:
-        equations: of motion.
-        how_many: of the lowest modes.
-
     Raises:
         RopewalkError: nothing moves that has a mass.
     """
@@ -81,7 +77,6 @@ def lowest(K: Any, M: Any, how_many: int) -> tuple[Array, Array]:
     Args:
         K: (unknown, unknown) N/m, symmetric, sparse.
         M: (unknown, unknown) kg, positive definite, sparse.
-        how_many: modes wanted.
     """
     M = sparse.csc_matrix(M)
     diagonal = M.diagonal()

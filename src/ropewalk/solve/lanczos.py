@@ -18,11 +18,6 @@ def eigenpairs(matrix: Any, how_many: int, **options: Any) -> Any:
 
     Args:
         matrix: (n, n), sparse or an operator.
-        how_many: of them.
-        options: of `scipy.sparse.linalg.eigsh`.
-
-    Raises:
-        RopewalkError: neither attempt converges.
     """
     try:
         return eigsh(matrix, k=how_many, **options)

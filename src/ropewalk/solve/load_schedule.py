@@ -54,8 +54,6 @@ def movers_of(setting: PreparedRun, measures: list[Measure], begin: Array) -> li
     """Return the prescribed travel of every load, as measured.
 
     Args:
-        setting: the loads.
-        measures: of each load.
         begin: (load,) m, the measures at the beginning.
     """
     loads, movers = setting.loads, []

@@ -96,7 +96,6 @@ def settle(potential: Potential, start: Array, way: Way = "auto") -> Array:
     and off saddles, if none does.
 
     Args:
-        potential: of the structure.
         start: a shape, m.
         way: of solving, see `solve/symmetric.py`.
 
@@ -201,7 +200,6 @@ def newton(potential: Potential, start: Array, way: Way = "auto", steps: int = 0
     """Where Newton's method in full steps ends, cut where they are long, and whether the stiffness is definite there.
 
     Args:
-        potential: of the structure.
         start: a shape, m.
         way: of solving, see `solve/symmetric.py`.
         steps: at most; 0: as many as it takes.
@@ -329,11 +327,7 @@ def _downhill(potential: Potential, start: Array, way: Way) -> Array:
 
 
 def _off_saddle(potential: Potential, r: Array) -> Array:
-    """A shape of less energy than a saddle, along its most negative curvature.
-
-    Raises:
-        EquilibriumError: there is none nearby.
-    """
+    """A shape of less energy than a saddle, along its most negative curvature."""
     K, unknowns = potential.stability(r)
     energy, step = potential.energy(r), np.zeros(potential.out_of_balance(r).size)
     curved = modes(K, np.ones(K.shape[0]), 1)[1][:, 0]

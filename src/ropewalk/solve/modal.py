@@ -172,11 +172,7 @@ def alone(w: Array, damping: Array) -> tuple[Complex, Integers, Complex]:
 
 @one_thread()
 def _coupled(w: Array, D: Array, S: Array) -> tuple[Complex, Complex, Complex]:
-    """Modes of the first-order equations, (w q)' = w q', q'' = -w (w q) - S q - D q' + f.
-
-    Raises:
-        RopewalkError: they are not independent.
-    """
+    """Modes of the first-order equations, (w q)' = w q', q'' = -w (w q) - S q - D q' + f."""
     n = w.size
     A = np.block([[np.zeros((n, n)), np.diag(w)], [-np.diag(w) - S / w, -D]])
     values, vectors = linalg.eig(A)

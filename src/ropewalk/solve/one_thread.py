@@ -1,8 +1,4 @@
-"""Linear algebra in one thread.
-
-Its libraries divide factorisations of a millisecond among all processors, whose threads then wait for one another in
-busy loops: where others work on the machine, that takes hundreds of times as long (docs/notes/speed.md).
-"""
+"""Linear algebra in one thread: threads of the libraries wait in busy loops for one another (docs/notes/speed.md)."""
 
 from __future__ import annotations
 

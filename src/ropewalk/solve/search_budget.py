@@ -77,11 +77,7 @@ def names_of_runs() -> Sequence[str]:
 
 
 def spend(shape: Array) -> None:
-    """Count one factorisation, of the stiffness at a shape in m.
-
-    Raises:
-        SearchBudgetError: the budget of the search is used up.
-    """
+    """Count one factorisation, of the stiffness at a shape in m."""
     if (present := _PRESENT.get()) is None:
         return
     present.factorisations += 1

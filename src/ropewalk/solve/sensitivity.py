@@ -78,7 +78,6 @@ class Rests:
         """The unknowns of an equilibrium.
 
         Args:
-            found: solves for them.
             residual: what is out of balance at any, the force towards rest or the miss of a gap.
             factorised: solves with the change of what is out of balance, with its sign turned, at the solution.
 
@@ -109,10 +108,6 @@ class Rests:
 
     def root(self, found: Callable[[], float], miss: Callable[[float], float]) -> float:
         """A number found by equilibria for which some function of them is zero.
-
-        Args:
-            found: searches for it.
-            miss: is zero there.
 
         Raises:
             NotBesideError: see `settle`.
@@ -159,11 +154,7 @@ def present() -> Rests | None:
 
 
 def by_factors(K: scipy.sparse.csc_matrix) -> Solve:
-    """What solves with a sparse stiffness.
-
-    Raises:
-        NotBesideError: it is singular.
-    """
+    """What solves with a sparse stiffness."""
     from scipy.sparse.linalg import splu  # lazy: plain ropes have no sparse stiffness
 
     try:

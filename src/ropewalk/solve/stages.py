@@ -30,9 +30,7 @@ class Stages(NamedTuple):
     C: _Array  # (stage,) over the length of a step
     A: _Array  # (stage, stage); the last row has the weights
     D: _Array  # inverse of A
-    controller: (
-        _Array  # (stage,) weights of the rate at the start, of the polynomial through the start and all later stages
-    )
+    controller: _Array  # (stage,) weights of the rate at the start, of a polynomial through it and all later stages
     modes: tuple[Mode, ...]
 
     @staticmethod

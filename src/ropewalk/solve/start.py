@@ -94,7 +94,6 @@ def setting_of(scenario: Scenario, until: float) -> PreparedRun:
     """Make a scenario ready: lengths found where tensions are given, strands at rest, loads placed.
 
     Args:
-        scenario: what is there.
         until: how long the histories of the loads are needed, s.
 
     Raises:
@@ -218,11 +217,7 @@ def _place(
 
 
 def _check_comes(wheel: ContactPoint, end: float, scenario: Scenario) -> None:
-    """Refuse a wheel that begins beyond the end of its line (m, as measured), unless it is of a train.
-
-    Raises:
-        EquilibriumError: another load does.
-    """
+    """Refuse a wheel that begins beyond the end of its line (m, as measured), unless it is of a train."""
     load = scenario.loads[wheel.load]
     if not isinstance(load, Axles | TrainSection):
         key = "travel.from" if hasattr(load, "travel") else "from"
@@ -247,8 +242,6 @@ def start_state(setting: PreparedRun, with_loads: bool, resting: Array | None = 
     """The state of rest under gravity (and the loads at their start, if wanted), every load in the location of a force.
 
     Args:
-        setting: the model.
-        with_loads: let the loads rest on the line.
         resting: (axis, wheel) N, what bodies at rest press on the line with.
     """
     strands, loads = setting.strands, setting.loads

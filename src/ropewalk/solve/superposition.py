@@ -145,10 +145,6 @@ class Superposition:
     """Motion from where the modes begin.
 
     Args:
-        modes: of the structure.
-        course: of all contacts.
-        bodies: on them.
-        axes: how many.
         gusts: that push at all of the structure; None: there are none.
     """
 
@@ -188,7 +184,6 @@ class Superposition:
         """States at all instants of output, the first one included.
 
         Args:
-            stretches: of the whole time, one after the other.
             longest: s, of a step to begin with.
             start: places and velocities of bodies, m and m/s.
 

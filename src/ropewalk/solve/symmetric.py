@@ -129,10 +129,6 @@ class Solver:
 
         Args:
             K: symmetric matrix (unknown, unknown), sparse or dense; the band reads its lower triangle.
-
-        Raises:
-            IndefiniteError: K is not positive definite, to round-off.
-            ValueError: K has another size, entries outside of the pattern, or such that are not finite.
         """
         self._factor = None
         K = _csr(K)

@@ -23,8 +23,6 @@ def coordinates_at_rest(bodies: Bodies, v: int, places: Array, heights: Array) -
     """Coordinates of vehicle v at rest on its wheels.
 
     Args:
-        bodies: all of them.
-        v: which vehicle.
         places: (place,) m, of its wheels, in the order of its matrices.
         heights: (wheel,) m, of all wheels, for those on a contact stiffness.
     """
@@ -43,7 +41,6 @@ def forces_of_vehicles(bodies: Bodies, place: Array) -> Array:
     """Forces of all vehicles at rest on their wheels, (axis, wheel) N.
 
     Args:
-        bodies: all of them.
         place: (axis, wheel) m, of the wheels.
     """
     dim, force = place.shape[0], np.zeros_like(place)

@@ -8,7 +8,15 @@ from dataclasses import replace
 from itertools import pairwise
 
 from ropewalk.model._base import Finding
-from ropewalk.model.capabilities import OF_LINEAR_THEORY, Capabilities, supported_by_tension, without_retardation
+from ropewalk.model.capabilities import (
+    LAWS_OF_STRAIN,
+    OF_LINEAR_THEORY,
+    STATIC_LOADS,
+    WITHOUT_KIND,
+    Capabilities,
+    supported_by_tension,
+    without_retardation,
+)
 from ropewalk.model.division import links_of_line
 from ropewalk.model.footsteps import Footsteps
 from ropewalk.model.history import rows
@@ -29,9 +37,8 @@ from ropewalk.model.support import Fixed, Moving
 from ropewalk.model.travel import FreeTravel
 from ropewalk.model.vehicle import Vehicle
 from ropewalk.model.walker import Walker
-from ropewalk.system.lines_over_sheaves import beside_sheaves, over_sheaves
+from ropewalk.system.lines_over_sheaves import beside_sheaves, of_several_lines, over_sheaves
 from ropewalk.system.methods import of_methods
-from ropewalk.system.several_lines import of_several_lines
 
 _BY_PANTOGRAPHS = "pantographs of the sixth order, implicitly, that whirl or in linear theory"
 _SYSTEM = "joined lines, nets, lines on inner supports, lines in wind and lines with bending stiffness"
@@ -368,7 +375,6 @@ def _of_tracks(parts: Parts) -> Iterator[Finding]:
 
 
 _LINEAR, _DYNAMIC = "kind: linear", "ask for kind: dynamic"
-_LAWS = ("hooke", "tension_only", "second_piola_kirchhoff", "polynomial", "table", "webbing")
 _MORE = (
     _accuracy, _only_lines, _over_profiles, _overhead, _of_pantographs, _inextensible, _in_a_window,
     _joined_between_nodes, _of_loads, beside_sheaves, _of_tracks, _on_nets, supported_by_tension, of_methods,
@@ -380,23 +386,8 @@ MOTION = Capabilities(
         "run.kind": ("dynamic",),
         "run.method": ("auto", "explicit", "verlet", "rkn6", "implicit"),
         "run.sample": (None,),
-        "lines.law.kind": (*_LAWS, "inextensible"),
-        "loads.kind": (
-            "force",
-            "axles",
-            "mass",
-            "oscillator",
-            "trolley",
-            "carriage",
-            "vehicle",
-            "train",
-            "matrices",
-            "footsteps",
-            "walker",
-            "stepper",
-            "fmu",
-            "pantograph",
-        ),
+        "lines.law.kind": (*LAWS_OF_STRAIN, "inextensible"),
+        "loads.kind": (*STATIC_LOADS, "carriage", "footsteps", "walker", "stepper", "fmu", "pantograph"),
         "loads.contact": ("clamped", "frictionless", "coulomb", "dragged"),
     },
     instead={
@@ -413,15 +404,12 @@ AT_REST = replace(
         **MOTION.only,
         "run.kind": ("quasistatic", "equilibrium"),
         "loads.travel.margin": (None,),
-        "loads.kind": ("force", "axles", "mass", "oscillator", "trolley", "vehicle", "train", "matrices"),
+        "loads.kind": STATIC_LOADS,
         "loads.travel.kind": ("prescribed",),
         "loads.travel.measured": ("material",),
     },
     more=_MORE,
-    instead={
-        **MOTION.instead,
-        "loads.kind": "ask for kind: dynamic, or write kind: force with its weight as force",
-    },
+    instead={**MOTION.instead, "loads.kind": WITHOUT_KIND},
 )
 
 
@@ -471,30 +459,20 @@ LINEAR = replace(
     what=_LINEAR,
     only={
         "run.kind": ("linear",),
-        "lines.law.kind": (*_LAWS, "inextensible"),
+        "lines.law.kind": (*LAWS_OF_STRAIN, "inextensible"),
         **{key: values for key, values in OF_LINEAR_THEORY.items() if key != "loads.contact_stiffness"},
         "loads.kind": (*OF_LINEAR_THEORY["loads.kind"], "pantograph"),
         "loads.lift_off": (False,),
     },
     instead={
         **MOTION.instead,
-        "loads.kind": f"{_DYNAMIC}, or write kind: force with its weight as force",
+        "loads.kind": WITHOUT_KIND,
         "loads.lift_off": f"leave it out to be warned where contact would be lost, or {_DYNAMIC}",
         "loads.air_drag": f"leave it out, or {_DYNAMIC}",
     },
     more=(
-        _only_lines,
-        _over_profiles,
-        _overhead,
-        _of_pantographs,
-        _inextensible,
-        _joined_between_nodes,
-        _of_tracks,
-        _on_nets,
-        supported_by_tension,
-        _moves_little,
-        _stays_in_contact,
-        without_retardation(_LINEAR, _DYNAMIC),
+        _only_lines, _over_profiles, _overhead, _of_pantographs, _inextensible, _joined_between_nodes, _of_tracks,
+        _on_nets, supported_by_tension, _moves_little, _stays_in_contact, without_retardation(_LINEAR, _DYNAMIC),
     ),
-)
+)  # fmt: skip
 """Small motion about rest, by modes."""

@@ -1,10 +1,8 @@
 """Bending of a uniform beam to the fourth order in the mesh, from one stored energy, in units of EI / h^3.
 
-Inside, the energy is half the sum of squared second differences and a sixth of that of squared third differences: the
-stencil of seven points `d4 - d6 / 6`. At an end that can turn the second difference is zero, so that the beam is
-continued by reflection through the end; a force there is borne exactly. At a clamped end a symmetric block of three
-nodes lets x^2 and x^3 be without forces, and adds nothing to the highest frequency. Nodes next to ends share mass and
-beds so that sums over nodes are integrals to the fourth order (docs/notes/wires.md).
+Inside, the stencil has seven points, `d4 - d6 / 6`; ends that turn reflect it, at clamped ones a symmetric block of
+three nodes lets x^2 and x^3 be without forces. Nodes next to ends share mass and beds so that sums over nodes are
+integrals to the fourth order (docs/notes/wires.md).
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from ropewalk.model._base import Finding
-from ropewalk.model.capabilities import Capabilities, supported_by_tension
+from ropewalk.model.capabilities import WITHOUT_KIND, Capabilities, supported_by_tension
 from ropewalk.model.history import rows
 from ropewalk.model.load import ExternalModel, MovingForce
 from ropewalk.model.mass import MovingMass
@@ -119,18 +119,11 @@ MOTION = Capabilities(
         "lines.axial_damping": "leave it out, or use drag",
         "loads.travel.kind": "give a speed",
     },
-    more=(
-        check_small,
-        _in_the_plane,
-        _of_loads,
-        _of_the_run,
-        _on_inner_supports,
-        supported_by_tension,
-    ),
+    more=(check_small, _in_the_plane, _of_loads, _of_the_run, _on_inner_supports, supported_by_tension),
 )
 AT_REST = replace(
     MOTION,
     what="equilibria and quasi-static runs of beams, lines on foundations and overhead lines",
     only={**MOTION.only, "run.accuracy": (None,), "loads.kind": _AT_REST},
-    instead={**MOTION.instead, "loads.kind": "ask for kind: dynamic, or write kind: force with its weight as force"},
+    instead={**MOTION.instead, "loads.kind": WITHOUT_KIND},
 )

@@ -34,7 +34,7 @@ from ropewalk.wires.moving_loads import (
     TURNED,
 )
 from ropewalk.wires.plan import Array
-from ropewalk.wires.rest import rows, vertical_stiffness
+from ropewalk.wires.rest import vertical_stiffness
 from ropewalk.wires.restraints import AHEAD, NOW
 from ropewalk.wires.small import SmallMotion
 from ropewalk.wires.spline import WIDTH
@@ -99,7 +99,6 @@ class Energies:
             self._more, self._potential = more, WirePotential(corrected, unstrained, more)
         else:
             self._stiffness = vertical_stiffness(corrected)
-            self._ties = rows(mesh.ties.other, mesh.nodes) - rows(mesh.ties.one, mesh.nodes)
 
     def of(self, then: Then) -> Array:
         """Those of some instants, (instant, form) in the order of ENERGY_FORMS, J."""
@@ -157,7 +156,6 @@ class Energies:
         """Potential energy of small motion, zero at rest, (instant,) J.
 
         Args:
-            motion: the motion.
             u: (instant, node) m.
             displaced: (instant, holder) m, by how much holders are then.
             failed: (instant, tie) whether they pull no more.

@@ -65,13 +65,7 @@ class Pictures:
     """What makes frames; the energies of the first one are the origin of its audit.
 
     Args:
-        task: what is computed.
-        mesh: of its wires.
-        moving_loads: on them.
-        motion: of both.
         sample: s, from one sample to the next.
-        potential: of a large motion.
-        energies: of them.
     """
 
     def __init__(
@@ -159,7 +153,6 @@ class Pictures:
         """Where contact k is on its wire at some instants, at an end if it is beyond that.
 
         Args:
-            k: the contact.
             station: (instant,) m.
             r: (instant, 3, node) m.
 

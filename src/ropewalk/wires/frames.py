@@ -56,9 +56,7 @@ class Wires:
     """Wires as the engine of a motion, in their first state.
 
     Args:
-        task: what is computed.
         times: output instants in s, from 0.
-        run_info: filled in.
         sample: interval of samples in s (default: 1 ms, or `step`); a part of the interval of outputs is taken that is
             no longer.
         step: largest step in s; None: as large as is stable.

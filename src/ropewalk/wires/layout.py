@@ -76,8 +76,6 @@ def layout_of(
     """The layout of a result.
 
     Args:
-        path: its leading dimension.
-        external: loads that are external models.
         sample: s, of samples, from an output instant back.
     """
     plan, strands = task.plan, mesh.strands
@@ -101,7 +99,6 @@ def axial_force(mesh: Mesh, stretched: Array, r: Array) -> Array:
     tangent but for that part, on a line that hardly stretches -EI r' . d3r/ds3 = EI |r''|^2.
 
     Args:
-        mesh: of the wires.
         stretched: (..., link) N, EA times the strain.
         r: (..., axis, node) m.
     """

@@ -53,7 +53,6 @@ def prescribed_motion_of(
     """The prescribed motion of a load on its wire, and how it was put together if it has a mass.
 
     Args:
-        number: of the wire.
         wire: the line that it travels on, or a contact wire.
 
     Raises:

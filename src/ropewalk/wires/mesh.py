@@ -104,7 +104,6 @@ class Mesh(NamedTuple):
     own: Array  # (node,) kg, of the wires alone
     fixed: NDArray[np.bool_]  # (3, node) whether a component stands where it is held, or goes as prescribed
     driven: NDArray[np.bool_]  # (3, node) whether it goes as prescribed
-    extra: Integers  # (special,) control points that carry more than their wire
     ties: WireTies
     holds: Holds
     relief: Array  # (node,) N, by which the link behind each node pulls less than its wire
@@ -156,12 +155,8 @@ def mesh_of(plan: WirePlan, element: float | list[int], *, small: bool = False) 
     """Divide the wires of a plan.
 
     Args:
-        plan: what there is.
         element: wanted length of a link in m, or the number of links of each wire.
         small: whether they move a little about straight lines only; then beams are of the fourth order.
-
-    Raises:
-        RopewalkError: something is attached beyond the end of a wire.
     """
     links = [links_of(wire, element) for wire in plan.wires] if isinstance(element, float) else element
     wires, count = plan.wires, np.array(links, dtype=np.int64)
@@ -190,18 +185,16 @@ def mesh_of(plan: WirePlan, element: float | list[int], *, small: bool = False) 
     for tie in plan.ties:
         if tie.mass:
             lumps += [(spot, 0.5 * tie.mass) for spot in (tie.spot, tie.other) if isinstance(spot, Spot)]
-    at, special = clamped_at(strands, [spot for spot, _ in lumps]), set[int]()
+    at = clamped_at(strands, [spot for spot, _ in lumps])
     for base, weight, (_, lump) in zip(at.base, at.weight, lumps, strict=True):
         mass[base : base + WIDTH] += weight * lump
-        special |= set((int(base) + np.flatnonzero(weight)).tolist())
-    extra = np.array(sorted(special), dtype=np.int64)
     holds = _holds(strands, plan)
     fixed, driven = _fixed(strands, plan, holds)
     relief, sideways = _relief(strands, plan), np.zeros_like(mass)
     pulled = clamped_at(strands, [one.spot for one in plan.sideways])
     for base, weight, one in zip(pulled.base, pulled.weight, plan.sideways, strict=True):
         sideways[base : base + WIDTH] += weight * one.force
-    return Mesh(plan, strands, mass, own, fixed, driven, extra, _ties(strands, plan), holds, relief, sideways)
+    return Mesh(plan, strands, mass, own, fixed, driven, _ties(strands, plan), holds, relief, sideways)
 
 
 def per_length(strands: WireRuns, value: Array) -> Array:
@@ -262,7 +255,6 @@ def local_compliance(wire: Wire, h: float, *, fourth: bool = False) -> tuple[flo
     the second order it is of the order of the error of the mesh, and left out.
 
     Args:
-        wire: its tension and bending stiffness.
         h: distance of nodes, m.
         fourth: whether it is a beam of the fourth order.
     """
@@ -366,10 +358,8 @@ def _holds(strands: WireRuns, plan: WirePlan) -> Holds:
     side = np.where(abs(station) < _AT_NODE, 0, np.where(abs(station - strands.links[at.wire]) < _AT_NODE, 1, -1))
     node = np.where(side < 0, -1, strands.first[at.wire] + np.maximum(side, 0) * strands.links[at.wire])
     return Holds(
-        at, node,
-        np.array([hold.axes for hold in holds], dtype=np.float64).reshape(-1, 3, 3),
-        threes("stiffness"), np.zeros((len(holds), 3), dtype=np.bool_), threes("damping"), threes("place") + at_start,
-        threes("force"),
+        at, node, np.array([hold.axes for hold in holds], dtype=np.float64).reshape(-1, 3, 3), threes("stiffness"),
+        np.zeros((len(holds), 3), dtype=np.bool_), threes("damping"), threes("place") + at_start, threes("force"),
         np.array([time.size for time, _ in tables], dtype=np.int64),
         np.concatenate([time for time, _ in none + tables]), np.hstack([value for _, value in none + tables]),
     )  # fmt: skip

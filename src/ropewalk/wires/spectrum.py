@@ -42,10 +42,6 @@ class _State:
 def spectrum(task: WireTask, how_many: int | None = None) -> Spectrum:
     """Natural frequencies, damping ratios and shapes of wires at rest, without what travels on them.
 
-    Args:
-        task: whose wires are meant.
-        how_many: of the lowest modes.
-
     Raises:
         RopewalkError: there is no rest.
     """
@@ -80,10 +76,8 @@ def spectrum_at(
     """The same at an instant of a motion, everything frozen as it is then: loads stay where they stand.
 
     Args:
-        task: what moves.
         t: s.
         sample, step: s, of the motion.
-        how_many: of the lowest modes.
 
     Raises:
         RopewalkError: the motion does not come to the instant.

@@ -19,8 +19,6 @@ def largest_step(mesh: Mesh, moving_loads: MovingLoads, *, along: bool = False) 
     """A step in s that is stable for motion across, from bounds of all frequencies, which add up at worst.
 
     Args:
-        mesh: the wires.
-        moving_loads: what travels.
         along: whether ties along the line are seen to by the steps of motion along it.
     """
     s = mesh.strands
@@ -48,12 +46,7 @@ def refuse_tiny_steps(mesh: Mesh, steps: int, sample: float) -> None:
     """Refuse a motion whose stable time step is so short that it would never end.
 
     Args:
-        mesh: the wires.
-        steps: in a sample.
         sample: interval of samples, s.
-
-    Raises:
-        RopewalkError: there are too many steps in a sample.
     """
     if steps * mesh.nodes <= _MOST:
         return

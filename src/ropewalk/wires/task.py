@@ -79,11 +79,7 @@ class WireStart:
 
 
 def unstretched(plan: WirePlan, element: float | list[int]) -> WirePlan:
-    """The plan with wires whose stations count unstrained metres as long as their tensions ask for.
-
-    Raises:
-        RopewalkError: something is attached off its wire, or there is no rest.
-    """
+    """The plan with wires whose stations count unstrained metres as long as their tensions ask for."""
     if all(wire.stretched or wire.unstrained is not None for wire in plan.wires):
         return plan
     mesh = mesh_of(plan, element)
@@ -355,7 +351,6 @@ def resting(moving_load: TravellingLoad, height: Array, row: Array) -> Array:
     """Coordinates of a moving load at rest on contacts that are moved up by heights in m; or their rates, by rates.
 
     Args:
-        moving_load: it.
         height: (contact,) m or m/s.
         row: (contact, coordinate) by which its contacts follow its coordinates.
     """

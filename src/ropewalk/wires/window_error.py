@@ -1,8 +1,7 @@
-"""How far a motion in a window is from that of the whole line: both are computed for a while, and compared.
+"""Difference between the motion in a window and that of the whole line: both are computed for a while, and compared.
 
-What a window leaves out comes back to the contacts no sooner than waves do from its borders. As long as waves do not
-come back from those of a window three times as wide, that one is the whole line for its contacts. Both begin at rest,
-at the beginning and once more so that the run's end is their end, where a line may end as well.
+As long as no wave returns from the borders of a window three times as wide, that one is the whole line for its
+contacts. Both begin at rest, at the beginning and once more so that the end of the run is their end.
 """
 
 from __future__ import annotations
@@ -48,8 +47,6 @@ class WindowMeasure:
         motion: in its first state, and left so; its window in another width.
         given: what is given from an instant in s on, for so many rows.
         sample: s, of a row.
-        rows: that the motion goes on by at once.
-        steps: of each row.
         until: end of the run, s.
         returns: after how many s waves come back from the borders of a window of 1 m; infinite: none does.
         speed: m/s, of the fastest contact.

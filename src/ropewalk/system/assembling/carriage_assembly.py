@@ -39,10 +39,7 @@ def with_carriages(
     """Add the bars and the hauling ropes of carriages, and hoists of payloads, to what has a mass.
 
     Args:
-        scenario: what is there.
-        loading: its loads.
         contacts: records; mobilities of wheels of carriages are noted.
-        bodies: what has a mass.
         places: number of coordinates of contacts, after which those of bodies stand.
     """
     bodies = _with_hoists(scenario, loading, bodies)

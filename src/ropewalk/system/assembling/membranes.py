@@ -69,11 +69,7 @@ class MembraneMesh:
         return int(away.argmin()), float(away.min())
 
     def cell_at(self, place: Array, what: str) -> int:
-        """The triangle in which a place (2,) of the plan lies.
-
-        Raises:
-            RopewalkError: it lies outside.
-        """
+        """The triangle in which a place (2,) of the plan lies."""
         cell, _ = locate(self.surface, place)
         if cell < 0:
             raise RopewalkError(

@@ -81,9 +81,6 @@ def polygon(points: ArrayLike, spacing: float) -> Surface:
     Args:
         points: corners (corner, 2) in m, either way round; the first may be repeated at the end.
         spacing: largest distance of neighbours on the rim, and that of the grid inside, m.
-
-    Raises:
-        ValueError: fewer than three corners, an outline that crosses or touches itself, a spacing out of range.
     """
     corners = _checked_outline(points)
     if not (np.isfinite(spacing) and spacing > 0.0):
@@ -129,7 +126,6 @@ def locate(surface: Surface, point: ArrayLike) -> tuple[int, Array]:
     """Find the triangle in which a point of the plan lies.
 
     Args:
-        surface: where to look.
         point: (u, v) in m.
 
     Returns:

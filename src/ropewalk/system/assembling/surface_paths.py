@@ -40,12 +40,7 @@ class PathPiece:
 
 
 class Nets:
-    """The nets and membranes of a structure, as nodes of it.
-
-    Args:
-        scenario: what is there.
-        laid: the same laid out.
-    """
+    """The nets and membranes of a structure, as nodes of it."""
 
     def __init__(self, scenario: Scenario, laid: Laid) -> None:
         self.membranes, self._laid, self._scenario = laid.membranes, laid, scenario

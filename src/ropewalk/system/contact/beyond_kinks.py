@@ -36,9 +36,6 @@ class Reading(NamedTuple):
     def of(self, values: Array) -> Array:
         """What links have, (instant, node), as read.
 
-        Args:
-            values: what they have in the computation.
-
         Returns:
             A copy, with NaN where that has it.
         """
@@ -53,7 +50,6 @@ def beyond_kinks(contacts: Any, tension: Array, structure: Structure) -> Reading
     Args:
         contacts: (instant, contact) records.
         tension: of links by their first node, (instant, node) N.
-        structure: what they are on.
     """
     runs = structure.runs
     N = np.linalg.norm(contacts["N"], axis=2)

@@ -29,9 +29,9 @@ from ropewalk.solve.stages import Stages
 from ropewalk.system.contact.arrivals import next_change
 from ropewalk.system.contact.contact_record import ON
 from ropewalk.system.dynamics import motion
-from ropewalk.system.dynamics.at_sheaves import AtSheaves
 from ropewalk.system.dynamics.carrier import System
 from ropewalk.system.dynamics.kept_lengths import KeptLengths
+from ropewalk.system.dynamics.memory import AtSheaves
 from ropewalk.system.dynamics.rates import Forces, Powers
 from ropewalk.system.elements.structure import STRUCK, WORKS
 from ropewalk.system.equilibrium.statics import SystemPotential
@@ -62,12 +62,10 @@ class Implicit:
     """Implicit steps of a system.
 
     Args:
-        system: what moves.
         rest: (axis, node) m, without loads.
         accuracy: wanted of positions over the whole motion, m.
         longest: step, s.
         first: about the stable step of explicit motion, s.
-        method: its stages.
     """
 
     def __init__(

@@ -1,16 +1,10 @@
-"""Lengths of inextensible links in implicit steps: their tensions are unknowns of the stages.
+"""Lengths of inextensible links in implicit steps: their tensions are unknowns of the stages (docs/notes/implicit.md).
 
     M v' = f(r, v) - G' mu,   phi(r, t) = (l^2 - h^2)/2 = 0 at all stages,   T = h mu.
 
-These are equations of index 3. Source: Hairer, Lubich & Roche, The Numerical Solution of Differential-Algebraic Systems
-by Runge-Kutta Methods (1989), section 6: with s stages, the last one at the end of the step, places of Radau's method
-are of the order 2 s - 1, velocities of the order s. What these miss is across the ways that keep lengths; at the end of
-each step it is taken away,
-
-    v + dv,   M dv + G' x = 0,   G dv = - d phi/dt  at v,
-
-which gives velocities the order of places. So does what balances accelerations there for tensions, whose order is
-s - 1 at the stages.
+Places are put right at each stage, velocities at the end of each step: M dv + G' x = 0, G dv = -d phi/dt at v; then
+tensions balance accelerations. Source: Hairer, Lubich & Roche, The Numerical Solution of Differential-Algebraic Systems
+by Runge-Kutta Methods (1989), section 6.
 """
 
 from __future__ import annotations
@@ -27,13 +21,7 @@ from ropewalk.system.equilibrium.statics import SystemPotential
 
 
 class KeptLengths:
-    """The constraints of a system that moves, none where all of its links stretch.
-
-    Args:
-        system: what moves.
-        potential: of its lines with what stands on them.
-        forces: of everything.
-    """
+    """The constraints of a system that moves, none where all of its links stretch."""
 
     def __init__(self, system: System, potential: SystemPotential, forces: Forces) -> None:
         self._system, self._potential, self._forces = system, potential, forces

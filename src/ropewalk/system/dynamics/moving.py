@@ -37,8 +37,7 @@ from ropewalk.system.dynamics import motion, stability
 from ropewalk.system.dynamics.asking import FAILED, Asking
 from ropewalk.system.dynamics.beginning import begin_elsewhere, begin_in_wind, measure_from_rest
 from ropewalk.system.dynamics.carrier import SHORTER, System, SystemCarrier
-from ropewalk.system.dynamics.cuts import Cuts, runs_ahead_of_cuts
-from ropewalk.system.dynamics.failing_ties import FailingTies
+from ropewalk.system.dynamics.cuts import Cuts, FailingTies, runs_ahead_of_cuts
 from ropewalk.system.dynamics.intervals import Intervals
 from ropewalk.system.dynamics.partings import Partings
 from ropewalk.system.dynamics.window import Window
@@ -56,7 +55,7 @@ from ropewalk.system.loads.pantographs import stand_below, with_pantographs
 from ropewalk.system.loads.payloads import place_payloads
 from ropewalk.system.methods import first_damper, shaken
 from ropewalk.system.reporting import doubts
-from ropewalk.system.reporting.contact_doubts import ContactDoubts
+from ropewalk.system.reporting.doubts import ContactDoubts
 from ropewalk.system.reporting.frames import FrameBuilder, SystemNote
 from ropewalk.system.reporting.sticking_friction import StickingFriction
 
@@ -81,8 +80,6 @@ class SystemMotion:
     """Cable runs, joints and what they carry, as the engine of a motion in their first state.
 
     Args:
-        scenario: what is computed.
-        run_info: filled in.
         times: output instants in s, from 0.
         past: whether it goes on from a state that will be put, wherever it began.
         axes: names of the axes, if not those that the scenario needs.

@@ -14,17 +14,47 @@ import numpy as np
 from ropewalk.mechanics.bodies import PULLS
 from ropewalk.mechanics.chain import Array
 from ropewalk.mechanics.compiled import lean
-from ropewalk.system.contact.contact_record import BODY, FORCE, ON
+from ropewalk.system.contact.arrivals import travelled
+from ropewalk.system.contact.contact_record import AWAY, BODY, FORCE, ON, PRESCRIBED
 from ropewalk.system.dynamics import motion
 from ropewalk.system.dynamics.carrier import System
 from ropewalk.system.dynamics.memory import Memory
-from ropewalk.system.dynamics.rough_ground import RoughGround
 from ropewalk.system.elements.structure import CARRIED, DAMPED, IN_BODIES, LOADED, MOVED, RESTRAINED, STRUCK, WORKS
 from ropewalk.system.elements.surfaces import damp_surfaces
 from ropewalk.system.elements.ties import damp_ties
 from ropewalk.system.loads.bodies import STAYS
 from ropewalk.system.loads.loaded_structure import LoadedStructure, gathered
 from ropewalk.system.loads.pushes import pushes_at
+
+
+class RoughGround:
+    """The coordinates of a system that rough ground moves up and down, until a contact comes or leaves."""
+
+    def __init__(self, system: System) -> None:
+        self._system, contacts = system, system.contacts
+        knots = system.structure.lines.profiles.knots[contacts["line"]]
+        rolls = (contacts["rolls"] == 1) & (knots > 0) & (contacts["led"] == 0) & (contacts["clear"] == 0)
+        away = (contacts["state"] == AWAY) & (contacts["kind"] == BODY) & (contacts["travel"] == PRESCRIBED)
+        self._on = np.flatnonzero(rolls & away)
+        self.coordinates = contacts["first"][self._on] + system.state.r.shape[0] - 1
+
+    def moved(self, t: float) -> Array:
+        """Height, speed and acceleration of each at time t in s, (3, coordinate) m, m/s, m/s^2."""
+        system, out = self._system, np.zeros((3, self._on.size))
+        profiles, dt = system.structure.lines.profiles, 1e-6
+        for i, contact in enumerate(system.contacts[self._on]):
+            (way, U), line = travelled(system.tables, contact, t), contact["line"]
+            s, faster = float(contact["begin"]) + way, (travelled(system.tables, contact, t + dt)[1] - U) / dt
+            part = slice(int(profiles.first[line]), int(profiles.first[line] + profiles.knots[line]))
+            begin, c = profiles.s[part], profiles.c[:, part]
+            k = int(np.clip(np.searchsorted(begin, s, side="right") - 1, 0, begin.size - 1))
+            x, cubic = s - begin[k], np.polynomial.Polynomial(c[:, k])
+            if not begin[0] < s < begin[-1]:  # level beyond
+                x, cubic = 0.0, np.polynomial.Polynomial(c[:1, k])
+            slope, bend = cubic.deriv()(x), cubic.deriv(2)(x)
+            out[:, i] = cubic(x), slope * U, bend * U * U + slope * faster
+        return out
+
 
 # Parts of a step over which strains are differenced along their velocities, once and twice: rounding is as small as
 # what it cuts off.

@@ -44,9 +44,6 @@ def largest_step(structure: Structure, contacts: Any, bodies: BodyArrays, r: Arr
     """The step that is used at most, s: 2/omega (sqrt(1 + zeta^2) - zeta) with bounds of frequency and damping.
 
     Args:
-        structure: what moves.
-        contacts: of what it carries.
-        bodies: what it carries.
         r: (axis, node) m.
         rest: (axis, node) m, if they are not there.
     """
@@ -213,7 +210,6 @@ def _of_rope(haul: Any, carriage: float) -> tuple[float, float]:
     Half a spring is between carriage and first mass, 2 k (1/M + 1/m), the others are no more than 4 k/m.
 
     Args:
-        haul: its record.
         carriage: 1/kg, what a force on its carriage accelerates.
     """
     n, length = int(haul["masses"]), float(haul["length"])
@@ -319,9 +315,7 @@ def cut_by_damping(assembled: Assembled, r: Array, steps: float) -> list[str]:
     """The line whose axial damping makes a long run much longer than it would be without.
 
     Args:
-        assembled: what moves.
         r: (axis, node) m.
-        steps: of the run.
     """
     if steps < MANY:
         return []

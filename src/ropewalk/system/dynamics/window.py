@@ -1,10 +1,8 @@
-"""A window: only a stretch around the contacts moves, the rest of all lines stands still.
+"""A window: only a stretch around the contacts moves, all other parts of lines stand still.
 
-How far a node is from the contacts is measured along the lines, through what joins them. What is beyond the window is
-no part of its runs: a run within it is shorter, and some nodes at its ends stand still, so that what is cut there acts
-on none that moves. Waves come back from the ends of the window as from supports; what a node has of kinetic energy
-where the window leaves it is lost, and its displacement stays. A bridge under a track bends as a whole, whatever the
-width: it moves with all that stands on it as soon as the window comes to it.
+Distances from contacts are measured along lines, through joints. Runs end at the window, and some nodes at its ends
+stand still, so that what is cut there acts on none that moves: waves return from there as from supports. The kinetic
+energy of a node that the window leaves is lost. A bridge under a track moves as a whole as soon as the window comes.
 """
 
 from __future__ import annotations
@@ -34,9 +32,7 @@ class Window:
     """The window of a motion.
 
     Args:
-        structure: all of it.
         width: m, on both sides of each contact.
-        bridges: runs that move as a whole.
     """
 
     def __init__(self, structure: Structure, width: float, bridges: Collection[int] = ()) -> None:
@@ -159,8 +155,6 @@ def columns_of(ties: Ties | None, runs: Runs, nodes: int) -> list[TiedColumn]:
     """What ties join: those with a mass in common are one column.
 
     Args:
-        ties: of a structure.
-        runs: whose points they tie.
         nodes: how many there are, those of runs and masses.
     """
     if ties is None or not ties.first.size:

@@ -26,11 +26,8 @@ class CarriagesAtRest:
     """All carriages of a motion before it begins.
 
     Args:
-        scenario: what is there.
-        loading: its loads.
         contacts: records, changed.
         bodies: what has a mass; hauling ropes are changed.
-        dim: number of axes.
     """
 
     def __init__(self, scenario: Scenario, loading: Loading, contacts: Any, bodies: BodyArrays, dim: int) -> None:
@@ -83,7 +80,6 @@ class CarriagesAtRest:
         Of two carriages on one rope it is the mean of what both need.
 
         Args:
-            structure: what carries them.
             r: (axis, node) m.
 
         Raises:
@@ -164,7 +160,6 @@ class CarriagesAtRest:
         """Half of the rope from a carriage to the next roller or station, across its way, (axis,) N.
 
         Args:
-            haul: the hauling rope.
             along: (axis,) unit vector from the carriage on.
             away: (axis,) m, to the station.
             weight: N/m.
@@ -181,8 +176,6 @@ class CarriagesAtRest:
         """Pull of a rope that hangs freely, N, and all that it does to its carriage, (axis,) N.
 
         Args:
-            haul: the rope.
-            structure: what carries it.
             r: (axis, node) m.
             needed: N, along the line and as it goes, of both.
         """
@@ -223,8 +216,6 @@ class CarriagesAtRest:
         """Let hauling ropes be as long as makes them pull where carriages stand as they did there at rest.
 
         Args:
-            structure: what carries them.
-            buffers: lengths of its links.
             r: (axis, node) m.
             u: coordinates of what has a mass, m.
         """

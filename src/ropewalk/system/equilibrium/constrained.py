@@ -87,11 +87,7 @@ def ways(potential: Any, shape: Array, inner: Integers | None = None) -> Array:
 
 
 def bring(potential: Any, shape: Array, rate: Array) -> tuple[Array, Array]:
-    """The shape next to one that has about the right lengths at which it has, and rates (unknown,) that keep these.
-
-    Raises:
-        EquilibriumError: there is none.
-    """
+    """The shape next to one that has about the right lengths at which it has, and rates (unknown,) that keep these."""
     (links, h), out = links_of(potential.structure), shape.copy()
     enough = float(h.max()) * max(1e-14 * float(h.max()), _ROUNDINGS * float(np.spacing(potential.size)))
     for _ in range(_ROUNDS):

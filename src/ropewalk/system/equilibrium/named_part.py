@@ -13,7 +13,6 @@ def named_part(structure: Structure, shape: Array, way: Array, places: tuple[int
     """Return the line of the node that moves most with a change of a shape, and where it is.
 
     Args:
-        structure: whose part it is.
         shape, way: places of nodes and coordinates of loads, and their change, m.
         places: (axis, node) how many places of nodes there are.
     """

@@ -29,7 +29,6 @@ def laid_over_saddles(
     crowns, at which they slip until tensions are equal, or along the shortest way where that fails.
 
     Args:
-        scenario: what is there.
         lengths: of all lines without strain, m.
         rest: finds the shape at rest of lines over sheaves.
     """

@@ -22,10 +22,9 @@ from ropewalk.solve.vehicle_statics import agree, loaded_bodies, potential_of
 from ropewalk.system.assembling.assembly import contacts_of, refuse_beyond
 from ropewalk.system.assembling.laid import Over
 from ropewalk.system.elements.structure import WORKS, SystemState
-from ropewalk.system.equilibrium.fixed_stations import FixedStations
 from ropewalk.system.equilibrium.lengths import off_tension
 from ropewalk.system.equilibrium.slow_motion import SlowMotion, positions_at
-from ropewalk.system.equilibrium.split_holds import Beside, SplitHolds
+from ropewalk.system.equilibrium.split_holds import Beside, FixedStations, SplitHolds
 from ropewalk.system.equilibrium.split_lines import AT_SHEAVE, LineForce, LineShape, SplitLines, SplitRest
 from ropewalk.system.equilibrium.structures import structure_of
 from ropewalk.system.loads.loaded_structure import Carried
@@ -73,8 +72,6 @@ class RestUnderForces(SlowMotion[_Loaded]):
     """A run without inertia: its layout, and its frames.
 
     Args:
-        scenario: what is computed.
-        run_info: filled in.
         until: how long the histories of the loads are needed, s.
 
     Raises:
@@ -173,11 +170,7 @@ class RestUnderForces(SlowMotion[_Loaded]):
         return np.array([wheel.mass for wheel in self._loading.wheels])[:, None] * self._lines.gravity
 
     def _refuse_passed(self, over: Over, at: Array, on: NDArray[np.bool_]) -> None:
-        """Refuse loads that have come to the other side of a sheave.
-
-        Raises:
-            EquilibriumError: one has.
-        """
+        """Refuse loads that have come to the other side of a sheave."""
         if not over:
             return
         own = np.array([wheel.on for wheel in self._loading.wheels])

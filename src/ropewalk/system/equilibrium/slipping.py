@@ -21,7 +21,6 @@ def missed(rest: Any, friction: Array, slips: Array) -> tuple[Array, float]:
     """By how much more lines are pulled ahead of sheaves than friction bears, (sheave,) N, and the largest tension.
 
     Args:
-        rest: `SplitRest` of the lines.
         friction: (sheave,) coefficients.
         slips: (sheave,) 1 where lines slip ahead, -1 where back: there friction bears all that it can; 0: what it must.
     """

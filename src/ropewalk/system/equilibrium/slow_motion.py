@@ -62,7 +62,6 @@ class SlowMotion(ABC, Generic[Rest]):
         """Yield frames at equal steps of the load path, until all loads have left their lines or stopped.
 
         Args:
-            positions: how many.
             turn: rad, see `solve/following.py`.
 
         Raises:

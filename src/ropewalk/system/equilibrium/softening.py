@@ -51,13 +51,9 @@ def stiffened(potential: Any, start: Array, load: float, way: Way) -> Iterator[A
     """Yield the equilibrium next to a shape of softer lines that have become as stiff as they are nearly.
 
     Args:
-        potential: `SystemPotential` of the structure.
         start: a shape, m.
         load: N, of what stands on the lines.
         way: of solving, see `solve/symmetric.py`.
-
-    Raises:
-        SearchBudgetError: that takes too long.
     """
     soft, near = copy(potential), start
     soft.approaches = lambda *_: iter(())

@@ -211,10 +211,8 @@ class SplitLines:
     """Lines without stiffness against bending that come to rest under forces and over sheaves.
 
     Args:
-        scenario: what is there; its loads do not count.
         lengths: of all lines without strain, m.
         until: how long histories are needed, s.
-        axes: names of the axes.
     """
 
     def __init__(self, scenario: Scenario, lengths: Mapping[str, float], until: float, axes: tuple[str, ...]) -> None:
@@ -239,7 +237,6 @@ class SplitLines:
         """Rest next to a shape, or to another rest.
 
         Args:
-            forces: on lines.
             near: None: as lines are drawn.
             t: s, in histories.
             rubs: whether lines rub at sheaves, from where they are; else they slip freely.

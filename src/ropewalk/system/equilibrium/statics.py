@@ -24,8 +24,7 @@ from ropewalk.system.contact.yielding import axial_stiffness, stored_beside
 from ropewalk.system.elements.air import damping_by_wind
 from ropewalk.system.elements.cables import add_internal_forces, energy_of, find_strains, stretch_all
 from ropewalk.system.elements.compliance import ARC, PART, SHORT_ARC, SMOOTH, compliances
-from ropewalk.system.elements.link_forms import LinkForms
-from ropewalk.system.elements.products import scaled
+from ropewalk.system.elements.link_forms import LinkForms, scaled
 from ropewalk.system.elements.saddles import add_saddle_forces, stored_in_saddles
 from ropewalk.system.elements.sheaves import (
     LITTLE,

@@ -17,8 +17,7 @@ from ropewalk.system.elements.compliance import AT_REST
 from ropewalk.system.elements.structure import SystemState
 from ropewalk.system.equilibrium.lengths import off_tension
 from ropewalk.system.equilibrium.rest import at_rest, settled_in_wind
-from ropewalk.system.equilibrium.rubbing import RubbingPotential, is_rubbing
-from ropewalk.system.equilibrium.slow_hysteresis import LaggingPotential, is_lagging, settle_after
+from ropewalk.system.equilibrium.rubbing import LaggingPotential, RubbingPotential, is_lagging, is_rubbing, settle_after
 from ropewalk.system.equilibrium.slow_motion import SlowMotion, positions_at, travelled
 from ropewalk.system.equilibrium.statics import SystemPotential
 from ropewalk.system.equilibrium.structures import structure_of
@@ -43,8 +42,6 @@ class SystemStatics(SlowMotion[_RestShape]):
     """A run without inertia: its layout, and its frames.
 
     Args:
-        scenario: what is computed.
-        run_info: filled in.
         until: how long the histories of the loads are needed, s.
         space: whether there are three axes also for what stays in the plane.
 
@@ -87,11 +84,7 @@ class SystemStatics(SlowMotion[_RestShape]):
         return self._builder.node
 
     def at_rest_with_loads(self) -> Array:
-        """The shape at rest with the loads at their start, see `Potential`.
-
-        Raises:
-            EquilibriumError: there is none.
-        """
+        """The shape at rest with the loads at their start, see `Potential`."""
         return self._rest(0.0, None).places
 
     def _rest(self, t: float, near: _RestShape | None) -> _RestShape:

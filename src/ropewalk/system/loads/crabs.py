@@ -33,10 +33,7 @@ class Crabs:
     """All loads on several lines before they move.
 
     Args:
-        scenario: what is there.
-        wheels: of all loads.
         contacts: records, changed.
-        bodies: what has a mass.
     """
 
     def __init__(self, scenario: Scenario, wheels: Sequence[ContactPoint], contacts: Any, bodies: Any) -> None:
@@ -56,9 +53,6 @@ class Crabs:
 
     def reach(self, locate: Callable[[], object]) -> None:
         """Let wheels begin at places of their lines, as these are now, that are at their crab's place along x.
-
-        Args:
-            locate: puts all contacts where they begin.
 
         Raises:
             EquilibriumError: a line does not come to that place.
@@ -83,9 +77,7 @@ class Crabs:
         """Let wheels of crabs that rest with all loads roll until nothing pushes them along; something holds each crab.
 
         Args:
-            locate: puts all contacts where they begin.
             settle: finds lines and loads at rest next to where they are; gives contacts there.
-            state: where they are.
 
         Raises:
             EquilibriumError: there is no such rest.
@@ -148,7 +140,6 @@ def stand_on_lines(wheels: Sequence[ContactPoint], contacts: Any, state: SystemS
     """Put bodies on their lines, with the speeds that they begin with; crabs where their contacts are on average.
 
     Args:
-        wheels: in order.
         contacts: records, which are located; speeds of those that roll are noted.
         state: coordinates of bodies and their velocities are changed.
     """

@@ -30,11 +30,8 @@ def with_pantographs(
     """Bodies with the forces on the masses of pantographs, constant ones and those that change in time.
 
     Args:
-        bodies: all that have a mass.
-        scenario: what is there.
         places: number of coordinates that are places of contacts; those of bodies come after them.
         until: how long histories are needed, s.
-        sections: overhead lines at rest, by names.
     """
     rows, times, values, begin = list[tuple[int, int, int]](), list[Array](), list[Array](), 0
     force = bodies.force.copy()
@@ -81,9 +78,6 @@ def stand_below(scenario: Scenario, contacts: Any, bodies: BodyArrays, places: i
     """Let pantographs begin below the lowest wire that they are at: level, touching it, no spring pressed.
 
     Args:
-        scenario: what is there.
-        contacts: records, which are located.
-        bodies: all that have a mass.
         places: number of coordinates that are places of contacts.
         state: coordinates of pantographs and their velocities are changed.
     """

@@ -19,10 +19,6 @@ def place_payloads(
     """Place payloads below their trolleys as declared, and let them move along.
 
     Args:
-        scenario: what is declared.
-        wheels: of the contacts.
-        contacts: records.
-        tethers: records of the ropes of payloads.
         state: coordinates of payloads and their velocities are changed.
         displaced: only those with a position or an angle of their own; others stay in equilibrium.
     """

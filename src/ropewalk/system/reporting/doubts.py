@@ -8,9 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from ropewalk.checkpoint import Arrays
 from ropewalk.mechanics.assembly import speed_table
-from ropewalk.mechanics.chain import Array
+from ropewalk.mechanics.chain import CLAMPED, COULOMB, Array
 from ropewalk.mechanics.contact_points import ContactPoint
+from ropewalk.mechanics.loading import Loading
 from ropewalk.model.carriage import Carriage
 from ropewalk.model.joint import Joined
 from ropewalk.model.law import Inextensible
@@ -23,8 +25,67 @@ from ropewalk.results.frame import RunInfo
 from ropewalk.results.frames import Frames
 from ropewalk.results.ropeway import Hauling
 from ropewalk.system.assembling.assembled import Assembled
+from ropewalk.system.contact.contact_record import BODY, ON, PRESCRIBED
+from ropewalk.system.contact.contacts import FASTEST
+from ropewalk.system.elements.segments import mass_of
 from ropewalk.system.elements.structure import Buffers, Structure
+from ropewalk.system.reporting.hold_forces import on_friction
 from ropewalk.system.reporting.sticking_friction import StickingFriction
+
+# Part of a run for which a load may be faster than the waves of its line, as where that is slack for a while.
+LONG = 0.2
+
+
+class ContactDoubts:
+    """What has been said of the contacts of a motion, and what is counted before it is."""
+
+    def __init__(
+        self, loading: Loading, contacts: Any, structure: Structure, run_info: RunInfo,
+        instants: int,
+    ) -> None:  # fmt: skip
+        self.loading, self.structure, self.run_info, self._instants = loading, structure, run_info, instants
+        self._fast = np.zeros(contacts.size, dtype=np.int64)  # frames in which each was faster than waves
+        self._slipped = np.zeros(contacts.size, dtype=np.int64)  # 1: it has been said that friction is not enough
+        clamped, coulomb = loading.loads.contact == CLAMPED, loading.loads.contact == COULOMB
+        self._may_slip = (clamped & (contacts["friction"] > 0.0)) | coulomb
+
+    def changing(self) -> Arrays:
+        """What changes."""
+        return {"fast": self._fast, "slipped": self._slipped}
+
+    def doubt_speeds(self, path: Array, contacts: Any) -> None:
+        """Doubt kinks that are carried along faster than transverse waves."""
+        runs, run = self.structure.runs, np.where(contacts["state"] == ON, contacts["run"], 0)
+        kinked = (contacts["state"] == ON) & (contacts["kind"] == BODY) & (runs.bending[run] == 0.0)
+        square = mass_of(self.structure, contacts) * contacts["speed"] ** 2
+        fast = kinked & (square > FASTEST * np.maximum(contacts["tension"], 0.0)) & (square > 0.0)
+        before, count = self._fast.copy(), np.cumsum(fast, axis=0)
+        self._fast += count[-1]
+        for k in np.flatnonzero((before <= LONG * self._instants) & (self._fast > LONG * self._instants)):
+            i = int(np.argmax(fast[:, k] & (before[k] + count[:, k] > LONG * self._instants)))
+            wheel = self.loading.wheels[k]
+            self._doubt(wheel.name, wheel.load, float(contacts["speed"][i, k]), float(path[i]))
+
+    def ask_friction(self, frames: Frames, contacts: Any) -> None:
+        """Note once where the friction of a prescribed travel is not enough."""
+        needed, asked = frames.of["contact_friction"], (contacts["state"] == ON) & (contacts["travel"] == PRESCRIBED)
+        for i, k in zip(*np.nonzero(asked & self._may_slip & (self._slipped == 0)), strict=True):
+            kind, contact = int(self.loading.loads.contact[k]), contacts[i, k]
+            found = on_friction(self.loading.wheels[k].name, kind, contact, float(needed[i, k]))
+            if found and not self._slipped[k]:
+                self._slipped[k] = 1
+                self.run_info.warnings.append(f"at t = {frames.path[i]:.4g} s, {found}")
+
+    def _doubt(self, name: str, load: str, speed: float, t: float) -> None:
+        if any(doubt.key == f"loads.{load}.travel.speed" for doubt in self.run_info.doubts):
+            return
+        self.run_info.doubt(
+            f"load {name}: a mass at {speed:.4g} m/s reaches the speed of the transverse waves of its line at t = "
+            f"{t:.4g} s",
+            "its contact force is wrong once it is as fast as the waves", f"loads.{load}.travel.speed",
+            "let it go slower, or give the line more tension",
+        )  # fmt: skip
+
 
 # Part of the largest tension with which an inextensible line may be pushed together.
 _PUSHED = 0.1
@@ -178,10 +239,6 @@ def judge_hauling_ropes(
     """Warn of hauling ropes that are slack, for they only pull, and of those that slip; doubt ropes that sag deeply.
 
     Args:
-        scenario: what is there.
-        run_info: notes what is found.
-        frames: what is judged.
-        hauled: carriages that ropes haul.
         deep: (instant, rope) largest weight of a span of each rope over its tension.
     """
     own = [name for name, load in scenario.loads.items() if isinstance(load, Carriage) and load.haul is not None]
@@ -222,11 +279,8 @@ def doubt_struts(scenario: Scenario, run_info: RunInfo, on: Sequence[str], tensi
     """Doubt inextensible lines that are pushed together: there they are bars, which fold as the mesh lets them.
 
     Args:
-        scenario: what is there.
-        run_info: takes the doubts.
         on: (link,) names of the lines of links.
         tension: (link,) N.
-        when: in words.
     """
     rigid = [name for name, line in scenario.lines.items() if isinstance(line.law, Inextensible)]
     if not rigid:
@@ -246,8 +300,6 @@ def doubt_slack(scenario: Scenario, run_info: RunInfo, on: Sequence[str], tensio
     """Doubt shapes of lines without stiffness that nothing pulls at: without weight any other is as good.
 
     Args:
-        scenario: what is there.
-        run_info: takes the doubts.
         on: (link,) names of the lines of links.
         tension: (link,) N, at rest.
     """

@@ -90,11 +90,7 @@ class FrameBuilder:
     """What builds frames; the energy at the first one of a motion is the origin of its audit.
 
     Args:
-        assembled: what frames are of.
-        loading: its loads.
-        bodies: what has a mass of these.
         windy: whether wind bears some of the weight, as foundations do.
-        path: leading dimension of the result.
         cut: runs behind whose last node a line is cut on the way: a link of no length lies there before.
     """
 
@@ -315,9 +311,7 @@ class FrameBuilder:
         """What is told of contacts: those on their lines, one after the other, are looked at together.
 
         Args:
-            at: what is noted.
             tension: of links by their first node, (instant, node) N, as friction sees it.
-            beyond: as read beyond the kinks.
         """
         runs, dim = self.assembled.structure.runs, at.r.shape[1]
         seen = Contacts(*at.contacts.shape, dim)

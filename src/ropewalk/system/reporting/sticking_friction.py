@@ -13,7 +13,6 @@ class StickingFriction:
     """What friction bears that holds a structure about its rest.
 
     Args:
-        structure: with all its geometry.
         rest: (axis, node) m.
     """
 
@@ -31,7 +30,6 @@ class StickingFriction:
         """Forces on all places with those of the friction on saddles, N, and whether it bears less than that asks for.
 
         Args:
-            force: of all else, with inertia.
             x: (place,) m, from rest.
         """
         left, slips, n = force.reshape(self._axes, -1).copy(), False, force.size // self._axes

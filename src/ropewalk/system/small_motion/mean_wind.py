@@ -29,14 +29,9 @@ class RestInWind:
     """A structure where it rests in the mean wind.
 
     Args:
-        structure: with all its geometry.
         calm: (axis, node) m, at rest in calm air.
-        speed: of the wind.
         until: end of the run, s.
         within: whether only what stays in the plane needs to be stable.
-
-    Raises:
-        EquilibriumError: there is no such rest.
     """
 
     def __init__(self, structure: Structure, calm: Array, speed: MeanSpeed, until: float, *, within: bool) -> None:
@@ -60,7 +55,6 @@ class RestInWind:
         Args:
             K: (unknown, unknown) N/m, about the rest in the wind.
             free: (place, unknown), places moved by unknowns.
-            run_info: of the run.
         """
         known = -free @ np.asarray(scipy.sparse.linalg.spsolve(K, free.T @ self.pushed)).reshape(-1)
         missed, way = (float(np.abs(part).max(initial=0.0)) for part in (known - self.moved, self.moved))
@@ -94,7 +88,6 @@ def unknowns_at(moved: Array, free: sparse.csr_matrix) -> Array:
     """Unknowns that are nearest to displacements of all places (place,) in m.
 
     Args:
-        moved: of the places.
         free: (place, unknown), places moved by unknowns.
     """
     normal = (free.T @ free).tocsc()

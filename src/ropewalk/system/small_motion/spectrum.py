@@ -27,8 +27,6 @@ def spectrum(scenario: Scenario, how_many: int | None = None, *, with_loads: boo
     """Natural frequencies, damping ratios and shapes of cable runs and joints at rest, the lowest ones.
 
     Args:
-        scenario: what is there.
-        how_many: of the lowest modes.
         with_loads: whether the loads stand at their start.
 
     Raises:

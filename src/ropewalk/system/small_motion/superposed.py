@@ -1,7 +1,6 @@
-"""A run of kind linear on the system: small motion about rest in all directions, by superposition of modes.
+"""Runs of kind linear on the system: small motion about equilibrium by superposition of its modes.
 
-Modes are those of the stiffness, masses and dampers of the structure at rest without loads. What travels over it goes
-along its lines as they rest; `solve/superposition.py` does the rest.
+Loads travel along lines as these rest without loads, see `solve/superposition.py`.
 """
 
 from __future__ import annotations
@@ -47,8 +46,7 @@ from ropewalk.system.reporting.doubts import doubt_slack, doubt_sticking, joined
 from ropewalk.system.reporting.frames import FrameBuilder, SystemNote
 from ropewalk.system.small_motion.mean_wind import RestInWind, doubt_gusts, unknowns_at
 from ropewalk.system.small_motion.passing import Passing
-from ropewalk.system.small_motion.rest_state import RestState
-from ropewalk.system.small_motion.ties_about_rest import TiesAboutRest
+from ropewalk.system.small_motion.rest_state import RestState, TiesAboutRest
 
 _STORED = ("kinetic", "elastic", "gravitational", "load_kinetic", "load_potential")
 _KNOWN = [ENERGY_FORMS.index(form) for form in _STORED]
@@ -63,10 +61,7 @@ class Superposed:
     """A linear run: its layout, and its frames.
 
     Args:
-        scenario: what is computed.
-        run: its run.
         times: output instants in s, from 0.
-        run_info: filled in.
 
     Raises:
         RopewalkError: there is no rest, or something resists nothing to the first order.
