@@ -246,8 +246,7 @@ def check_spectrum(scenario: Scenario, *, with_loads: bool, at_rest: bool = True
 def check_without_feedback(scenario: Scenario) -> None:
     """Refuse loads of which it is not computed what force they exert on rigid ground.
 
-    Raises:
-        ScenarioError: there is such a load.
+    Raises ScenarioError: there is such a load.
     """
     what = "a run without feedback"
     for name, load in scenario.loads.items():

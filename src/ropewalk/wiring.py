@@ -51,8 +51,7 @@ _HEAVY = 500.0  # N: droppers bear about 100 N
 def task_of(scenario: Scenario) -> WireTask:
     """What is to be computed.
 
-    Raises:
-        RopewalkError: an overhead line cannot rest as wanted, or a load cannot be used.
+    Raises RopewalkError: an overhead line cannot rest as wanted, or a load cannot be used.
     """
     run = scenario.run
     until = run.until if isinstance(run, Dynamic) else horizon(scenario) if isinstance(run, Quasistatic) else 0.0
@@ -220,9 +219,7 @@ def _side(line: OverheadLine) -> float:
 def _pantograph(name: str, load: Pantograph, under: Sequence[_Under], until: float, *, slow: bool) -> PrescribedMotion:
     """The prescribed motion of a pantograph.
 
-    Args:
-        until: s, end of the run.
-        slow: whether it presses with all of its force from the beginning.
+    `until`: s, end of the run; `slow`: whether it presses with all of its force from the beginning.
     """
     section = under[0].section
     course, start = Travelled(*speed_table(load.travel.speed, until)), load.travel.start

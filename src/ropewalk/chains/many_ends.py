@@ -13,9 +13,7 @@ from ropewalk.solve.start import PreparedRun
 def energies_of_ends(ends: Ends, t: Array, r: Array, w: Array) -> tuple[Array, Array, Array]:
     """Kinetic, elastic and gravitational energies of what yields or moves with ends, (instant,) J.
 
-    Args:
-        t: (instant,) s.
-        r, w: (instant, axis, node) m, m/s.
+    `t`: (instant,) s; `r`, `w`: (instant, axis, node) m, m/s.
     """
     at, v = r[:, :, ends.node].swapaxes(1, 2), w[:, :, ends.node].swapaxes(1, 2)
     moved = at - places_of(ends, t)
@@ -48,9 +46,7 @@ def let_yield(setting: PreparedRun, ends: Ends, t: Array, X: Array, r: Array, w:
     On half a link at the end act the line, the loads there, and the reaction; the latter is all that the line knows of
     spring, damper, rail and mass.
 
-    Args:
-        t, X, r, w: (instant, ...) as of the chain.
-        reaction: changed in place, N.
+    `t`, `X`, `r`, `w`: (instant, ...) as of the chain; `reaction`: changed in place, N.
     """
     strands, supports, places = setting.strands, setting.supports, places_of(ends, t)
     for e, number in enumerate(ends.number.tolist()):

@@ -158,8 +158,7 @@ class Chain:
     def _remark(self, frame: Frame, parting: Array | None) -> None:
         """Note what one should know of a frame of the motion.
 
-        Args:
-            parting: (wheel,) J, lost by lines when wheels left them; None: nothing has a mass.
+        `parting`: (wheel,) J, lost by lines when wheels left them; None: nothing has a mass.
         """
         if frame.path <= 0.0:
             return

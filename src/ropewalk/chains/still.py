@@ -22,11 +22,7 @@ from ropewalk.solve.vehicle_statics import loaded_bodies, potential_of
 class ChainStatics:
     """A run without inertia: its layout, and its frames.
 
-    Args:
-        until: how long the histories of the loads are needed, s.
-
-    Raises:
-        EquilibriumError: a line has no rest shape.
+    `until`: how long the histories of the loads are needed, s; raises EquilibriumError: a line has no rest shape.
     """
 
     def __init__(self, scenario: Scenario, run_info: RunInfo, until: float) -> None:
@@ -46,14 +42,7 @@ class ChainStatics:
         return self._frame(LoadPosition(0.0, 0.0, xi, marks, *shapes(self.setting, xi, 0.0), left))
 
     def slowly(self, positions: int, turn: float | None) -> Iterator[Frame]:
-        """Yield frames at equal steps of the load path, until all loads have left their lines or stopped.
-
-        Args:
-            turn: rad, see `solve/following.py`.
-
-        Raises:
-            EquilibriumError: no load moves, or there is no equilibrium with the loads somewhere on their path.
-        """
+        """Yield frames at equal steps of the load path until all loads have left or stopped, see `StaticEngine`."""
         for place in walk(self.setting, positions, turn):
             yield self._frame(place)
 

@@ -173,8 +173,7 @@ class Field:
     def contacts(self, times: Array, rows: slice) -> Contacts:
         """What frames tell of the loads on the line.
 
-        Args:
-            times: (instant,) s, all of those that `motion` was asked for.
+        `times`: (instant,) s, all of those that `motion` was asked for.
         """
         loads, chord, own = self.setting.loads, self.chord, self.setting.on[self.s]
         t, dim = times[rows], chord.along.size

@@ -100,8 +100,7 @@ def truncation_errors(chord: Chord, links: int, modes: int, place: Array, force:
 def truncation_warning(name: str, chord: Chord, links: int, modes: int, place: Array, force: Array) -> str:
     """Return a warning of a line whose modes are too few for some quantity; empty where there is none.
 
-    Args:
-        chord, links, modes, place, force: see `truncation_errors`.
+    `chord`, `links`, `modes`, `place`, `force`: see `truncation_errors`.
     """
     errors = truncation_errors(chord, links, modes, place, force)
     if max(errors.values()) <= _REPORTED:
@@ -122,8 +121,7 @@ _IN_IMPACTS = ENERGY_FORMS.index("contact_dissipation")
 def frames(setting: PreparedRun, scenario: Scenario, times: Array, run_info: RunInfo) -> Iterator[Frames]:
     """The frames at the given times, s, some at a time.
 
-    Raises:
-        RopewalkError: what is asked is beyond the solutions that are known.
+    Raises RopewalkError: what is asked is beyond the solutions that are known.
     """
     lines = chords(setting, scenario, run_info)
     fields = [Field(setting, scenario, s, chord) for s, chord in enumerate(lines)]
@@ -150,8 +148,7 @@ def _missed_by_modes(
 ) -> Iterator[str]:  # fmt: skip
     """Warnings of lines on which a given number of modes leaves much of the static response out.
 
-    Args:
-        pressed: places (instant, load), m, and forces of its loads, (instant, load, axis) N.
+    `pressed`: places (instant, load), m, and forces of its loads, (instant, load, axis) N.
     """
     where, force = (np.concatenate(parts) for parts in zip(*pressed, strict=True))
     for field in fields:

@@ -93,8 +93,7 @@ def wave_numbers_and_rates(chord: Chord, modes: int | None) -> tuple[Array, Comp
 
     They are kept: the same line under other loads, or the same loads at another speed, has the same modes.
 
-    Args:
-        modes: how many; None: until those left out are a millionth.
+    `modes`: how many; None: until those left out are a millionth.
     """
     beam = chord.bending_stiffness, chord.tension, chord.foundation
     return _modes(chord.length, *beam, chord.mass, chord.damping, chord.retardation, modes)

@@ -76,9 +76,7 @@ class SteadyForces:
     def under(self, times: Array, rows: slice, which: NDArray[np.bool_]) -> tuple[Array, Array]:
         """Deflections in m and slopes (instant, force) under forces; zero where they are not asked for.
 
-        Args:
-            times: (instant,) s, rising from 0.
-            which: (instant, force) where they are asked for.
+        `times`: (instant,) s, rising from 0; `which`: (instant, force) where they are asked for.
         """
         z, times = self.coordinates(times)[0][rows], times[rows]
         out = np.zeros((2, *which.shape))

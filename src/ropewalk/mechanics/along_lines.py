@@ -13,8 +13,7 @@ from ropewalk.model.line import Line
 def mean_along(line: Line, key: str, station: Array, of: Callable[[float], float] = float) -> Array:
     """Mean over the half links beside each node of what a line has along it, or of a function of that.
 
-    Args:
-        station: (node,) m, evenly spaced from the start to the end.
+    `station`: (node,) m, evenly spaced from the start to the end.
     """
     usual = float(getattr(line, key))
     half = 0.5 * (station[1] - station[0])
@@ -29,7 +28,6 @@ def mean_along(line: Line, key: str, station: Array, of: Callable[[float], float
 def bending_along(line: Line, station: Array) -> Array:
     """Bending stiffness at nodes in N m^2, (node,): what is there turns by the moment as both half links do together.
 
-    Args:
-        station: (node,) m, evenly spaced from the start to the end.
+    `station`: (node,) m, evenly spaced from the start to the end.
     """
     return 1.0 / mean_along(line, "bending_stiffness", station, lambda EI: 1.0 / EI)

@@ -178,8 +178,7 @@ def loads_of(
 ) -> Loads:
     """All wheels of a scenario, with their histories tabulated up to the time `until`.
 
-    Args:
-        axes: names of the axes, if not those that the scenario needs.
+    `axes`: names of the axes, if not those that the scenario needs.
     """
     names, axes = list(scenario.lines), axes or axes_of(scenario)
     speeds = [speed_table(wheel.speed, until) for wheel in wheels]

@@ -42,11 +42,7 @@ def carriage_masses(load: Carriage) -> tuple[Array, Array]:
 def carriage(
     name: str, load: Carriage, on: list[int], dim: int, first: int, gravity: float
 ) -> tuple[VehicleMatrices, list[Body]]:
-    """Rockers, whose masses move with wheels, and a cabin.
-
-    Args:
-        gravity: m/s^2.
-    """
+    """Rockers, whose masses move with wheels, and a cabin. `gravity`: m/s^2."""
     vehicle = VehicleMatrices.of(dim if load.cabin is not None else 0, [(k, a) for k in on for a in range(dim)])
     M, weight = carriage_masses(load)
     for a in range(dim):

@@ -28,8 +28,7 @@ class Kernel:
 
     That takes a tenth of a millisecond, and of what a run imports, three of four are called by kernels that are there.
 
-    Args:
-        function: as it is written.
+    `function`: as it is written.
     """
 
     def __init__(self, function: Callable[..., Any], compiler: type[PartCompiler], options: dict[str, Any]) -> None:

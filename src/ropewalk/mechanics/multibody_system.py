@@ -73,10 +73,8 @@ def multibody_system_of(
 ) -> MultibodySystem:
     """Put together all loads of a scenario.
 
-    Args:
-        strands: its lines; what depends on the mesh is which wheels are heavy, and how far from supports they stay.
-            None: nobody asks for that.
-        until: how long tables are needed, s.
+    `strands`: its lines; what depends on the mesh is which wheels are heavy, and how far from supports they stay. None:
+    nobody asks for that; `until`: how long tables are needed, s.
     """
     dim = len(axes)
     bodies = without_vehicles(len(wheels))
@@ -111,9 +109,7 @@ def multibody_system_of(
 def hung(payload: Payload, stiffness: float, gravity: float, axes: tuple[str, ...]) -> Array:
     """Where a payload hangs at the beginning, seen from its trolley, (axis,) m.
 
-    Args:
-        stiffness: of its rope, N/m.
-        gravity: m/s^2.
+    `stiffness`: of its rope, N/m; `gravity`: m/s^2.
     """
     if payload.at is not None:
         return components(payload.at, axes)
@@ -126,8 +122,7 @@ def hung(payload: Payload, stiffness: float, gravity: float, axes: tuple[str, ..
 def static_loads(load: Vehicle, gravity: float = 0.0) -> list[float]:
     """Forces in N with which the wheels of a vehicle press on level ground at rest, in order.
 
-    Args:
-        gravity: that of the scenario, m/s^2, which acts on it if it has none of its own.
+    `gravity`: that of the scenario, m/s^2, which acts on it if it has none of its own.
     """
     wheels = list(load.wheels.values())
     own = load.gravity if load.gravity is not None else gravity

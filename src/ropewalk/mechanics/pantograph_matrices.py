@@ -29,9 +29,7 @@ def rotations_of(pantograph: Pantograph) -> dict[str, HeadRotation]:
 def row_of(pantograph: Pantograph, ahead: float = 0.0, aside: float = 0.0) -> Array:
     """Height of a point of its head by its coordinates, (coordinate,).
 
-    Args:
-        ahead: m, of the middle of the head.
-        aside: m, to the left of it.
+    `ahead`: m, of the middle of the head; `aside`: m, to the left of it.
     """
     lever = {"pitch": ahead, "roll": aside}
     heights = np.eye(len(pantograph.parts.masses))[-1]
@@ -59,8 +57,7 @@ def vehicle_of(
 ) -> tuple[VehicleMatrices, list[Body]]:
     """A pantograph above contacts without mass, as a vehicle is on wheels, and what results show of it.
 
-    Args:
-        ahead: m, by how much the strip of each is ahead of the middle of the head.
+    `ahead`: m, by how much the strip of each is ahead of the middle of the head.
     """
     M, C, K = matrices_of(pantograph)
     n = M.shape[0]

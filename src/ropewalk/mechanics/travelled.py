@@ -10,9 +10,7 @@ from ropewalk.mechanics.chain import Array
 class Travelled:
     """A speed that is linear between the entries of a table and constant outside, and its integral.
 
-    Args:
-        time: (entry,) s, rising.
-        speed: (entry,) m/s.
+    `time`: (entry,) s, rising; `speed`: (entry,) m/s.
     """
 
     def __init__(self, time: Array, speed: Array) -> None:

@@ -61,8 +61,7 @@ def flat_bending(wear: float) -> float:
     With t, half of the angle of the segment, of radius 1: segment area t - sin t cos t, first moment 2/3 sin^3 t,
     second moment (t - sin t cos t + 2 sin^3 t cos t) / 4, both about the centre.
 
-    Args:
-        wear: area of the segment over that of the circle.
+    `wear`: area of the segment over that of the circle.
     """
     if wear <= 0.0:
         return 1.0

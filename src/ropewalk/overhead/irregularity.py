@@ -34,8 +34,7 @@ class _Samples(NamedTuple):
 def check_samples(scenario: Scenario) -> list[str]:
     """Read all irregularities and profiles of a scenario; return warnings about unlikely heights.
 
-    Raises:
-        ScenarioError: a file cannot be read, or none of its samples lies on its line.
+    Raises ScenarioError: a file cannot be read, or none of its samples lies on its line.
     """
     warnings = list[str]()
     for given in _files(scenario):

@@ -77,8 +77,7 @@ class PantographForces:
 def moving_load_of(name: str, pantograph: Pantograph, wires: Mapping[int, Above] = _ITS_OWN) -> TravellingLoad:
     """A pantograph below contact wires: the strips of its head push each of them, and may lose contact.
 
-    Args:
-        wires: the contact wires by their numbers in the plan.
+    `wires`: the contact wires by their numbers in the plan.
     """
     mass, damping, stiffness = matrices_of(pantograph)
     middle = row_of(pantograph)
@@ -97,9 +96,8 @@ def moving_load_of(name: str, pantograph: Pantograph, wires: Mapping[int, Above]
 def push_of(pantograph: Pantograph, level: float, lift: float = 0.0) -> PantographForces:
     """Forces on its masses.
 
-    Args:
-        level: height of the contact wire at the supports, m.
-        lift: mean height of the contact over it in the run, m; see `expected_lift`.
+    `level`: height of the contact wire at the supports, m; `lift`: mean height of the contact over it in the run, m;
+    see `expected_lift`.
     """
     touching = pantograph.contact_stiffness * len(pantograph.strips)
     give = sum(1.0 / k for k in (*pantograph.parts.stiffness[1:], touching))
@@ -132,9 +130,7 @@ def start_of(
 def expected_lift(section: Section, force: float, points: int = 9) -> float:
     """Mean height of a contact with a given mean force over the ends of the contact wire, m, as if it moved slowly.
 
-    Args:
-        force: mean contact force, N.
-        points: stations along the first analysed span at which the rise is found.
+    `force`: mean contact force, N; `points`: stations along the first analysed span at which the rise is found.
     """
     first, last = section.analysed
     span = int(np.searchsorted(section.supports, first, side="right")) - 1

@@ -56,9 +56,7 @@ class Elasticity:
 def elasticity_of(section: Section, force: float = 100.0, span: int | None = None) -> Elasticity:
     """Find the elasticity along a span, wires at constant tension, droppers slackening as they are relieved.
 
-    Args:
-        force: upwards on the contact wire, N.
-        span: counted from 1 (default: the first analysed one).
+    `force`: upwards on the contact wire, N; `span`: counted from 1 (default: the first analysed one).
     """
     count = section.supports.size - 1
     span = int(np.searchsorted(section.supports, section.analysed[0])) + 1 if span is None else span
@@ -81,11 +79,7 @@ def reflection(contact: Wire, messenger: Wire) -> float:
 
 
 def doppler_factor(contact: Wire, speed: float) -> float:
-    """Doppler factor of a pantograph; negative if it is faster than the waves.
-
-    Args:
-        speed: m/s.
-    """
+    """Doppler factor of a pantograph; negative if it is faster than the waves. `speed`: m/s."""
     c = wave_speed(contact)
     return (c - abs(speed)) / (c + abs(speed))
 

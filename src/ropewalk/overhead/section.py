@@ -333,9 +333,7 @@ def _arm(label: str, line: OverheadLine, spot: Spot, at: _Pair, force: _Pair, yi
     yields sideways like a string, T / left span + T / right span. In a plan without sideways motion that is in series
     with the arm, or else an inclined arm would prop the wire: the tie is that soft spring, under the same tension.
 
-    Args:
-        at: x and height of the wire there, m.
-        yields: m/N, of the wire sideways, and beside its spline.
+    `at`: x and height of the wire there, m; `yields`: m/N, of the wire sideways, and beside its spline.
     """
     (aside, up), arms, (x, z) = force, line.steady_arms, at
     pull, owner = float(np.hypot(aside, up)), label.split(".")[0]

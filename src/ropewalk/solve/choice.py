@@ -68,8 +68,7 @@ def bounds(
     4 c / (rho h^2) for the damping. An end that yields carries half a link: without a spring nothing changes, a spring
     k on the mass m adds k/m to omega^2 at most. Its damper does not matter (ends.py).
 
-    Args:
-        with_moving_loads: whether nodes ride with loads.
+    `with_moving_loads`: whether nodes ride with loads.
     """
     extremes = strained(strands.first, strands.links, strands.law, r, X) if extremes is None else extremes
     yields = supports is not None and bool(supports.free.any())

@@ -38,9 +38,8 @@ class _StrandPoints:
 def settle_together(setting: PreparedRun, state: ChainState, bodies: Bodies | None) -> None:
     """Move lines, wheels and vehicles to where they rest together; `state` and `bodies` are changed.
 
-    Args:
-        setting, state: the model and its state, all loads at their nodes.
-        bodies: on board already; None: there are none.
+    `setting`, `state`: the model and its state, all loads at their nodes; `bodies`: on board already; None: there are
+    none.
     """
     dim, count = len(setting.axes), state.xi.size
     lines = [_points(setting, state, bodies, s) for s in range(len(setting.lines))]

@@ -155,9 +155,7 @@ class Mover(NamedTuple):
     def _arrives(self, bound: float, then: float, after: float) -> float:
         """Return the time at which a displacement is reached that rounding does not pass, s.
 
-        Args:
-            bound: the displacement, m.
-            then, after: displacements when the speed has settled and a second later, m.
+        `bound`: the displacement, m; `then`, `after`: displacements when the speed has settled and a second later, m.
         """
         late = self.settled + max((bound - then) / (after - then), 0.0) if after != then else self.settled
         for _ in range(_ROUNDINGS if np.isfinite(late) else 0):

@@ -32,8 +32,7 @@ def free_vibration(equations: Equations, how_many: int | None = None) -> Spectru
     Frequencies and shapes are the undamped ones. Ratios are those of the damped modes, -Re lambda / |lambda|, or where
     these do not oscillate x^T C x / (2 w) with x^T M x = 1, right to the first order.
 
-    Raises:
-        RopewalkError: nothing moves that has a mass.
+    Raises RopewalkError: nothing moves that has a mass.
     """
     equations = equations.without_massless()
     K, M, C = equations.stiffness, equations.mass, equations.damping
@@ -74,9 +73,7 @@ def free_vibration(equations: Equations, how_many: int | None = None) -> Spectru
 def lowest(K: Any, M: Any, how_many: int) -> tuple[Array, Array]:
     """Lowest natural angular frequencies in rad/s, ascending, and their shapes; as `modes`, with any mass matrix.
 
-    Args:
-        K: (unknown, unknown) N/m, symmetric, sparse.
-        M: (unknown, unknown) kg, positive definite, sparse.
+    `K`: (unknown, unknown) N/m, symmetric, sparse; `M`: (unknown, unknown) kg, positive definite, sparse.
     """
     M = sparse.csc_matrix(M)
     diagonal = M.diagonal()

@@ -16,8 +16,7 @@ def eigenpairs(matrix: Any, how_many: int, **options: Any) -> Any:
 
     A second attempt takes more vectors, which many alike eigenvalues need.
 
-    Args:
-        matrix: (n, n), sparse or an operator.
+    `matrix`: (n, n), sparse or an operator.
     """
     try:
         return eigsh(matrix, k=how_many, **options)

@@ -80,8 +80,7 @@ class Potential(Protocol):
     def arrived(self, r: Array) -> tuple[Array, bool]:
         """The shape, and whether the structure is another one there: lines may have passed sheaves.
 
-        Raises:
-            EquilibriumError: the structure ends there.
+        Raises EquilibriumError: the structure ends there.
         """
 
     def approaches(self, start: Array, way: Way) -> Iterator[Array]:
@@ -135,8 +134,7 @@ def cause(potential: Potential, r: Array) -> str:
 def _among(rests: Rests, potential: Potential, start: Array, way: Way) -> Array:
     """The same as one of the equilibria of a run, or beside them; unknowns are the way from the start.
 
-    Raises:
-        NotBesideError: see `Rests.settle`.
+    Raises NotBesideError: see `Rests.settle`.
     """
 
     def found() -> Array:
@@ -185,8 +183,7 @@ def _minimum(potential: Potential, start: Array, way: Way) -> Array | None:
 def nearest(potential: Potential, start: Array, way: Way = "auto") -> Array:
     """The same as `settle` from a shape that is close by: by few steps of Newton's method, or not at all.
 
-    Raises:
-        EquilibriumError: it is not close by.
+    Raises EquilibriumError: it is not close by.
     """
     if present() is not None or potential.out_of_balance(start).size == 0:
         return settle(potential, start, way)

@@ -156,9 +156,7 @@ class ModalBasis:
 def alone(w: Array, damping: Array) -> tuple[Complex, Integers, Complex]:
     """Modes that do not know of each other: their rates, 1/s, which undamped modes they are, and how these are driven.
 
-    Args:
-        w: (undamped,) natural frequencies, rad/s.
-        damping: (undamped,) force over momentum, 1/s.
+    `w`: (undamped,) natural frequencies, rad/s; `damping`: (undamped,) force over momentum, 1/s.
     """
     d = 0.5 * damping
     d = np.where(np.abs(d - w) < _APART * w, (1.0 + _APART) * w, d)
@@ -194,9 +192,7 @@ def _coupled(w: Array, D: Array, S: Array) -> tuple[Complex, Complex, Complex]:
 class ModalStep:
     """Steps of one length: how all modes go on, forces being polynomials through their values at the stages.
 
-    Args:
-        rate: (mode,) 1/s.
-        h: s.
+    `rate`: (mode,) 1/s; `h`: s.
     """
 
     def __init__(self, rate: Complex, h: float) -> None:

@@ -312,9 +312,8 @@ def move(
 ) -> Iterator[ChainState]:  # fmt: skip
     """Yield the state at each of the times; the same object every time, to be read before going on.
 
-    Args:
-        strands, loads, state, choice, accuracy, progress, supports, bodies, controllers: see `Motion`.
-        times: rising instants, s; the iteration ends early if the progress is no longer RUNNING.
+    `strands`, `loads`, `state`, `choice`, `accuracy`, `progress`, `supports`, `bodies`, `controllers`: see `Motion`;
+    `times`: rising instants, s; the iteration ends early if the progress is no longer RUNNING.
     """
     motion = ChainMotion(strands, loads, state, choice, accuracy, progress, supports, bodies, controllers)
     for time in times:

@@ -52,8 +52,7 @@ class Multibody:
 def multibody_of(loading: Loading, name: str, load: AnyLoad, axles: Array) -> Multibody:
     """Put together the vehicle of a load: of an oscillator the height alone, of the rest everything.
 
-    Args:
-        axles: (wheel,) m, distances of the wheels behind the foremost one.
+    `axles`: (wheel,) m, distances of the wheels behind the foremost one.
     """
     assert loading.multibody_system is not None
     bodies, dim = loading.multibody_system.bodies, len(loading.axes)

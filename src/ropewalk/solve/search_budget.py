@@ -52,8 +52,7 @@ _PRESENT: ContextVar[_Effort | None] = ContextVar("search", default=None)
 def search(names: Sequence[str] = ()) -> Iterator[None]:
     """Count what is done within as one search, or as a part of the present one.
 
-    Args:
-        names: lines of the runs whose equilibrium is sought, for messages.
+    `names`: lines of the runs whose equilibrium is sought, for messages.
     """
     present = _PRESENT.get()
     if present is not None:

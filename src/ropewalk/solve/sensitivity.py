@@ -60,8 +60,7 @@ class Rests:
     def running(self, *, again: bool) -> Iterator[None]:
         """Let a run note its equilibria, or one beside it put its own in their places.
 
-        Raises:
-            NotBesideError: there are fewer of them.
+        Raises NotBesideError: there are fewer of them.
         """
         self._next, self._again = 0, again
         token = _PRESENT.set(self)
@@ -107,11 +106,7 @@ class Rests:
         return x
 
     def root(self, found: Callable[[], float], miss: Callable[[float], float]) -> float:
-        """A number found by equilibria for which some function of them is zero.
-
-        Raises:
-            NotBesideError: see `settle`.
-        """
+        """A number found by equilibria for which some function of them is zero. Raises NotBesideError: see `settle`."""
         if not self._again:
             with not_noted():
                 x = found()

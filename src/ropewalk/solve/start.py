@@ -184,8 +184,7 @@ def _place(
 ) -> float:
     """Material coordinate at which load k begins; the distance of the ends stands for the far one.
 
-    Raises:
-        EquilibriumError: it would begin beyond the end of its line.
+    Raises EquilibriumError: it would begin beyond the end of its line.
     """
     s, start, line = int(loads.strand[k]), wheel.start, scenario.lines[wheel.on]
     length = float(strands.links[s] * strands.h[s])
@@ -229,8 +228,7 @@ def _check_comes(wheel: ContactPoint, end: float, scenario: Scenario) -> None:
 def onward(setting: PreparedRun, r: Array, s: int) -> Array:
     """Level direction (axis,) from the start of strand s to its end, a unit vector; zero if it only rises.
 
-    Args:
-        r: (axis, node) m.
+    `r`: (axis, node) m.
     """
     first = int(setting.strands.first[s])
     way: Array = r[:, first + int(setting.strands.links[s])] - r[:, first]
@@ -241,8 +239,7 @@ def onward(setting: PreparedRun, r: Array, s: int) -> Array:
 def start_state(setting: PreparedRun, with_loads: bool, resting: Array | None = None) -> ChainState:
     """The state of rest under gravity (and the loads at their start, if wanted), every load in the location of a force.
 
-    Args:
-        resting: (axis, wheel) N, what bodies at rest press on the line with.
+    `resting`: (axis, wheel) N, what bodies at rest press on the line with.
     """
     strands, loads = setting.strands, setting.loads
     dim, nodes = len(setting.axes), int((strands.links + 1).sum())

@@ -142,11 +142,7 @@ class _Small(NamedTuple):
 
 
 class Superposition:
-    """Motion from where the modes begin.
-
-    Args:
-        gusts: that push at all of the structure; None: there are none.
-    """
+    """Motion from where the modes begin. `gusts`: that push at all of the structure; None: there are none."""
 
     def __init__(
         self, modes: ModalBasis, course: ContactHistory, bodies: ModalBodies, axes: int, gusts: Gusts | None = None

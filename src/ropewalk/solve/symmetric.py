@@ -127,8 +127,7 @@ class Solver:
     def factorise(self, K: Any) -> None:
         """Take a stiffness, of which only the structure must be known before.
 
-        Args:
-            K: symmetric matrix (unknown, unknown), sparse or dense; the band reads its lower triangle.
+        `K`: symmetric matrix (unknown, unknown), sparse or dense; the band reads its lower triangle.
         """
         self._factor = None
         K = _csr(K)
@@ -150,8 +149,7 @@ class Solver:
     def solve(self, b: ArrayLike) -> Array:
         """Return x of K x = b for the K factorised last; b and x are (unknown,) or (unknown, case).
 
-        Raises:
-            RopewalkError: there is no factor.
+        Raises RopewalkError: there is no factor.
         """
         if self._factor is None:
             raise RopewalkError("there is no factor to solve with; factorise a positive definite stiffness first")

@@ -39,9 +39,7 @@ class Borne:
 class Bearing:
     """Lets loads stand on wires.
 
-    Args:
-        unstrained: (node,) m, of the link behind each node.
-        space: whether anything moves sideways.
+    `unstrained`: (node,) m, of the link behind each node; `space`: whether anything moves sideways.
     """
 
     def __init__(

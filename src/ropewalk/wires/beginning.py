@@ -70,9 +70,8 @@ def on_moved(
 ) -> tuple[PrescribedMotion, ...]:
     """Prescribed motions whose moving loads begin on wires that are elsewhere than at rest, and move.
 
-    Args:
-        prescribed_motions: of the moving loads; those that stand follow the wires.
-        position, velocity: (3, node) m and m/s, of the wires at the beginning.
+    `prescribed_motions`: of the moving loads; those that stand follow the wires; `position`, `velocity`: (3, node) m
+    and m/s, of the wires at the beginning.
     """
     moved, out = replace(start, position=position), []
     for prescribed_motion in prescribed_motions:

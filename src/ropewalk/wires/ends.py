@@ -31,8 +31,7 @@ def _kind(support: Support) -> EndKind:
 def holds_of(line: Line, wire: Wire, number: int, until: float) -> Iterator[Hold]:
     """What holds a line between its ends, and its ends where they are not fixed.
 
-    Args:
-        until: how long displacements are needed, s.
+    `until`: how long displacements are needed, s.
     """
     for side, point, support, station in supports_of(line, wire.length):
         if isinstance(support, Fixed) and side in ("start", "end"):

@@ -64,8 +64,7 @@ class WireNote(NamedTuple):
 class Pictures:
     """What makes frames; the energies of the first one are the origin of its audit.
 
-    Args:
-        sample: s, from one sample to the next.
+    `sample`: s, from one sample to the next.
     """
 
     def __init__(

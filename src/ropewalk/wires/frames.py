@@ -165,11 +165,7 @@ class Wires:
         self._failed, self._one_by_one = False, 0  # the instant before which none are gone through
 
     def get_state(self) -> Tree:
-        """All that changes.
-
-        Raises:
-            RopewalkError: a load is an external model that gives no state.
-        """
+        """All that changes. Raises RopewalkError: a load is an external model that gives no state."""
         return {
             "motion": self.motion.get_state(), "width": self._width, **self._pictures.get_state(),
             "partners": [partner.get_state() for partner in self._partners],
@@ -464,9 +460,7 @@ class Wires:
     def reactions(self, hold: Array, tie: Array) -> Array:
         """Forces of all that holds wires on them now, (support, axis) N.
 
-        Args:
-            hold: (hold, 3) N, those of holds.
-            tie: (tie,) N; those of ties.
+        `hold`: (hold, 3) N, those of holds; `tie`: (tie,) N; those of ties.
         """
         failed, r, v = self.motion.failed[None, :, 0] < np.inf, self.motion.position[None], self.motion.velocity[None]
         return np.asarray(self._pictures.reactions(hold[None], tie[None], r, v, failed)[0])

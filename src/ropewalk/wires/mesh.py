@@ -154,9 +154,8 @@ def links_of(wire: Wire, element: float) -> int:
 def mesh_of(plan: WirePlan, element: float | list[int], *, small: bool = False) -> Mesh:
     """Divide the wires of a plan.
 
-    Args:
-        element: wanted length of a link in m, or the number of links of each wire.
-        small: whether they move a little about straight lines only; then beams are of the fourth order.
+    `element`: wanted length of a link in m, or the number of links of each wire; `small`: whether they move a little
+    about straight lines only; then beams are of the fourth order.
     """
     links = [links_of(wire, element) for wire in plan.wires] if isinstance(element, float) else element
     wires, count = plan.wires, np.array(links, dtype=np.int64)
@@ -254,9 +253,7 @@ def local_compliance(wire: Wire, h: float, *, fourth: bool = False) -> tuple[flo
     series. It is a polynomial for strings and for beams of the fourth order, and all but one between them. On beams of
     the second order it is of the order of the error of the mesh, and left out.
 
-    Args:
-        h: distance of nodes, m.
-        fourth: whether it is a beam of the fourth order.
+    `h`: distance of nodes, m; `fourth`: whether it is a beam of the fourth order.
     """
     T, EI = wire.tension, wire.bending_stiffness
     if fourth:

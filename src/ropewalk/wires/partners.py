@@ -89,11 +89,7 @@ class WireLine:
 
 @dataclass
 class WirePartner(Bearer):
-    """An external model on a wire while it moves.
-
-    Args:
-        sample: s, between two rows.
-    """
+    """An external model on a wire while it moves. `sample`: s, between two rows."""
 
     cosimulation: CosimulationMaster
     columns: range

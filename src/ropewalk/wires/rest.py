@@ -288,8 +288,7 @@ def ties_springs(mesh: Mesh) -> tuple[Array, Array]:
 def hung(mesh: Mesh, position: Array) -> Array:
     """Unstrained lengths of links with which wires of constant level tension hang as they do, (node,) m.
 
-    Args:
-        position: (3, node) m at rest.
+    `position`: (3, node) m at rest.
     """
     rest, tension = np.ones(mesh.nodes), mesh.tension
     for a, wire in enumerate(mesh.plan.wires):

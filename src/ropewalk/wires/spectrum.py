@@ -42,8 +42,7 @@ class _State:
 def spectrum(task: WireTask, how_many: int | None = None) -> Spectrum:
     """Natural frequencies, damping ratios and shapes of wires at rest, without what travels on them.
 
-    Raises:
-        RopewalkError: there is no rest.
+    Raises RopewalkError: there is no rest.
     """
     _, start = ready(
         replace(task, prescribed_motions=(), contacts=(), displayed=(), external_models=(), with_loads=False)
@@ -52,11 +51,7 @@ def spectrum(task: WireTask, how_many: int | None = None) -> Spectrum:
 
 
 def spectrum_with_loads(task: WireTask, how_many: int | None = None) -> Spectrum:
-    """The same at rest with what travels, where it begins.
-
-    Raises:
-        RopewalkError: there is no such rest.
-    """
+    """The same at rest with what travels, where it begins. Raises RopewalkError: there is no such rest."""
     if task.geometry == "linearised":
         return spectrum_at(task, 0.0, how_many=how_many)
     task, start = ready(task)

@@ -237,8 +237,7 @@ def contacts_of(
 ) -> tuple[Any, Tables, BodyArrays]:
     """Contacts of all loads, their histories, and what has a mass above them.
 
-    Args:
-        on: numbers of the lines of loads, by their names.
+    `on`: numbers of the lines of loads, by their names.
     """
     wheels, loads, dim = loading.wheels, loading.loads, len(loading.axes)
     contacts = records(len(wheels), CONTACT)

@@ -81,9 +81,7 @@ def curves(
 
     Lines that others are joined to are drawn first, these then begin and end on them.
 
-    Args:
-        lengths: unstrained length of each line, m.
-        marks: where lines have nodes, too, m.
+    `lengths`: unstrained length of each line, m; `marks`: where lines have nodes, too, m.
     """
     knots: dict[str, list[Array]] = {name: [] for name in scenario.joints}
     for line in scenario.lines.values():

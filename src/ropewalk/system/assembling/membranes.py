@@ -79,11 +79,7 @@ class MembraneMesh:
 
 
 def sheet_of(name: str, net: AnyNet) -> MembraneMesh:
-    """Lay out a net or membrane.
-
-    Raises:
-        RopewalkError: its outline cannot be divided.
-    """
+    """Lay out a net or membrane. Raises RopewalkError: its outline cannot be divided."""
     try:
         surface, origin, axes, skew, corners = _parallelogram(net) if net.boundary is None else _outline(net)
     except ValueError as error:

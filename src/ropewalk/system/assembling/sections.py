@@ -50,11 +50,7 @@ def sections_of(scenario: Scenario, laid: Laid, corners: set[int]) -> Iterator[t
 
 
 def sheaves_of(laid: Laid, sections: list[tuple[str, Integers, Array]], weight: Array, first: int) -> Sheaves | None:
-    """Sheaves over which lines run, as they are laid out.
-
-    Args:
-        weight: (section, axis) N/m.
-    """
+    """Sheaves over which lines run, as they are laid out. `weight`: (section, axis) N/m."""
     own = [sheave for sheave in laid.sheaves if sheave.link >= 0]
     if not own:
         return None

@@ -78,9 +78,8 @@ def polygon(points: ArrayLike, spacing: float) -> Surface:
 
     The vertices of the rim come first, in order, from the first corner. The same outline gives the same division.
 
-    Args:
-        points: corners (corner, 2) in m, either way round; the first may be repeated at the end.
-        spacing: largest distance of neighbours on the rim, and that of the grid inside, m.
+    `points`: corners (corner, 2) in m, either way round; the first may be repeated at the end; `spacing`: largest
+    distance of neighbours on the rim, and that of the grid inside, m.
     """
     corners = _checked_outline(points)
     if not (np.isfinite(spacing) and spacing > 0.0):

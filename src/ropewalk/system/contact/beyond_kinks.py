@@ -47,9 +47,7 @@ class Reading(NamedTuple):
 def beyond_kinks(contacts: Any, tension: Array, structure: Structure) -> Reading:
     """Where to read what links have beside contacts: beyond the kinks, but half way to the next contact at most.
 
-    Args:
-        contacts: (instant, contact) records.
-        tension: of links by their first node, (instant, node) N.
+    `contacts`: (instant, contact) records; `tension`: of links by their first node, (instant, node) N.
     """
     runs = structure.runs
     N = np.linalg.norm(contacts["N"], axis=2)

@@ -69,9 +69,8 @@ def begin_elsewhere(
 def begin_in_wind(structure: Structure, state: SystemState, buffers: Buffers) -> None:
     """Put a structure without its loads to its equilibrium in the wind as it blows at t = 0.
 
-    Args:
-        state: of the equilibrium in calm air; its places of nodes are changed.
-        buffers: of the motion, whose tensions of inextensible links are changed.
+    `state`: of the equilibrium in calm air; its places of nodes are changed; `buffers`: of the motion, whose tensions
+    of inextensible links are changed.
     """
     size = float(np.ptp(state.r, axis=1).max())
     potential = SystemPotential(structure, LoadedStructure(structure, state.r.copy()), size)
@@ -149,8 +148,7 @@ def measure_from_rest(contacts: Any, state: SystemState, locate: Callable[[], ob
 
     They keep the material on which they begin without loads; what is measured along x or an arc is counted from there.
 
-    Args:
-        contacts: records; where their travel begins is changed.
+    `contacts`: records; where their travel begins is changed.
     """
     rests, u = state.s.copy(), state.u.copy()
     own = (contacts["travel"] != FREE) & (contacts["measure"] != MATERIAL) & (contacts["moved"] == 0)

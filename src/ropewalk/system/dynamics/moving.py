@@ -283,8 +283,7 @@ class SystemMotion:
 
         Kinks are as in the steps to come.
 
-        Raises:
-            EquilibriumError: there is no such rest.
+        Raises EquilibriumError: there is no such rest.
         """
         if self.times.size > 1 and self._gives_way:
             self.contacts["step"] = self._in_steps(1)[1]
@@ -465,11 +464,7 @@ class SystemMotion:
             self.run_info.warnings.append(doubts.turned_far(t, self._step, stable))
 
     def get_state(self) -> Tree:
-        """All that changes.
-
-        Raises:
-            RopewalkError: a load is an external model that gives no state.
-        """
+        """All that changes. Raises RopewalkError: a load is an external model that gives no state."""
         changing = {name: copied(arrays) for name, arrays in self._changing().items()}
         own = {"frames": self._builder.get_state(), "longest": self._carrier.longest}
         return {**own, **changing, "guides": self._asking.get_state(), "partings": self._partings.get_state()}

@@ -44,9 +44,7 @@ def damping_by_wind(structure: Structure, r: Array, t: float) -> sparse.csc_matr
 
         -dF/dv = rho/2 d l (|u_n| (1 - t t) + u_n u_n / |u_n|)
 
-    Args:
-        r: (axis, node) m, where.
-        t: s, when.
+    `r`: (axis, node) m, where; `t`: s, when.
     """
     if (found := _dragged(structure, r, t)) is None:
         return sparse.csc_matrix((r.size, r.size))

@@ -17,12 +17,7 @@ from ropewalk.system.elements.structure import Structure
 
 
 class Products:
-    """The matrix A diag(c) B as a function of c.
-
-    Args:
-        A: (row, factor).
-        B: (factor, column).
-    """
+    """The matrix A diag(c) B as a function of c. `A`: (row, factor); `B`: (factor, column)."""
 
     def __init__(self, A: sparse.spmatrix, B: sparse.spmatrix) -> None:
         A, B = A.tocsc(), B.tocsr()

@@ -102,8 +102,7 @@ def bring(potential: Any, shape: Array, rate: Array) -> tuple[Array, Array]:
 def settle(potential: Any, start: Array) -> Array:
     """The rest next to a shape of a potential energy (`statics.Potential`); notes the tensions there.
 
-    Raises:
-        EquilibriumError: there is none.
+    Raises EquilibriumError: there is none.
     """
     structure, buffers = potential.structure, potential.buffers
     links, h = links_of(structure)

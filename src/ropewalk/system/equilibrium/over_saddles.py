@@ -28,9 +28,7 @@ def laid_over_saddles(
     Taut lines are stretched evenly along the shortest way over the saddles; others run over small sheaves at the
     crowns, at which they slip until tensions are equal, or along the shortest way where that fails.
 
-    Args:
-        lengths: of all lines without strain, m.
-        rest: finds the shape at rest of lines over sheaves.
+    `lengths`: of all lines without strain, m; `rest`: finds the shape at rest of lines over sheaves.
     """
     lines = scenario.lines
     plain = scenario.model_copy(

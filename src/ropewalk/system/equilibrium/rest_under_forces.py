@@ -71,11 +71,8 @@ class _Loaded(NamedTuple):
 class RestUnderForces(SlowMotion[_Loaded]):
     """A run without inertia: its layout, and its frames.
 
-    Args:
-        until: how long the histories of the loads are needed, s.
-
-    Raises:
-        RopewalkError: there is no rest without loads, or a load begins beyond its line.
+    `until`: how long the histories of the loads are needed, s; raises RopewalkError: there is no rest without loads, or
+    a load begins beyond its line.
     """
 
     def __init__(self, scenario: Scenario, run_info: RunInfo, until: float) -> None:

@@ -29,9 +29,7 @@ _LEAST, _FACTOR = 5.0, 5.0
 def softened(structure: Structure, load: float = 0.0) -> Iterator[Structure]:
     """Yield a structure with softer lines, ever stiffer; none where all are soft, or run over saddles (they pass them).
 
-    Args:
-        structure: whose lines these are; those that bend stay.
-        load: N, of what stands on them.
+    `structure`: whose lines these are; those that bend stay; `load`: N, of what stands on them.
     """
     runs, restraints = structure.runs, structure.restraints
     if structure.saddles is not None:

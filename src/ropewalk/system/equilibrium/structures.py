@@ -32,9 +32,7 @@ _AT, _MORE = 3e-4, 4
 def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None = None) -> Assembled:
     """The structure of a scenario, without its loads.
 
-    Args:
-        until: how long histories are needed, s.
-        axes: names of the axes, if not those that the scenario needs.
+    `until`: how long histories are needed, s; `axes`: names of the axes, if not those that the scenario needs.
     """
     if scenario.overhead_lines:
         return overhead_lines_of(scenario, axes)

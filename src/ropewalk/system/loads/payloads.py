@@ -18,9 +18,8 @@ def place_payloads(
 ) -> None:  # fmt: skip
     """Place payloads below their trolleys as declared, and let them move along.
 
-    Args:
-        state: coordinates of payloads and their velocities are changed.
-        displaced: only those with a position or an angle of their own; others stay in equilibrium.
+    `state`: coordinates of payloads and their velocities are changed; `displaced`: only those with a position or an
+    angle of their own; others stay in equilibrium.
     """
     dim = state.r.shape[0]
     axes = ("x", "z") if dim == 2 else ("x", "y", "z")

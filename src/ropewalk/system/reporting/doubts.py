@@ -238,8 +238,7 @@ def judge_hauling_ropes(
 ) -> None:  # fmt: skip
     """Warn of hauling ropes that are slack, for they only pull, and of those that slip; doubt ropes that sag deeply.
 
-    Args:
-        deep: (instant, rope) largest weight of a span of each rope over its tension.
+    `deep`: (instant, rope) largest weight of a span of each rope over its tension.
     """
     own = [name for name, load in scenario.loads.items() if isinstance(load, Carriage) and load.haul is not None]
     for e, name in enumerate(own):
@@ -278,9 +277,7 @@ def _warn(run_info: RunInfo, path: Array, when: Any, what: str, so: str) -> None
 def doubt_struts(scenario: Scenario, run_info: RunInfo, on: Sequence[str], tension: Array, when: str) -> None:
     """Doubt inextensible lines that are pushed together: there they are bars, which fold as the mesh lets them.
 
-    Args:
-        on: (link,) names of the lines of links.
-        tension: (link,) N.
+    `on`: (link,) names of the lines of links; `tension`: (link,) N.
     """
     rigid = [name for name, line in scenario.lines.items() if isinstance(line.law, Inextensible)]
     if not rigid:
@@ -299,9 +296,7 @@ def doubt_struts(scenario: Scenario, run_info: RunInfo, on: Sequence[str], tensi
 def doubt_slack(scenario: Scenario, run_info: RunInfo, on: Sequence[str], tension: Array) -> None:
     """Doubt shapes of lines without stiffness that nothing pulls at: without weight any other is as good.
 
-    Args:
-        on: (link,) names of the lines of links.
-        tension: (link,) N, at rest.
+    `on`: (link,) names of the lines of links; `tension`: (link,) N, at rest.
     """
     if scenario.gravity != 0.0:
         return

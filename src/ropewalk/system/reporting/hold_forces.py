@@ -32,9 +32,7 @@ _BESIDE = 1.5
 def beside(contacts: Any, runs: Runs, tension: Array, begin: Integers) -> Array:
     """Tensions behind and ahead of contacts, (contact, 2) N, where their lines are as beyond the kinks.
 
-    Args:
-        tension: of links, N.
-        begin: (contact,) where in that the links begin among which each is.
+    `tension`: of links, N; `begin`: (contact,) where in that the links begin among which each is.
     """
     run = contacts["run"]
     link = np.floor(contacts["x"][:, None] + np.array([-_BESIDE, _BESIDE])).astype(np.int64)
@@ -55,9 +53,7 @@ class FrictionDemand(NamedTuple):
 
         What it takes to move one along its line is the change of all energy, its kink turns with it.
 
-        Args:
-            s: (contact,) m.
-            both: (contact, 2) N, tensions beside them.
+        `s`: (contact,) m; `both`: (contact, 2) N, tensions beside them.
         """
         runs, run, pull = structure.runs, contacts["run"], both.sum(axis=1)
         N, way = contacts["N"][:, :axes], contacts["along"][:, :axes]

@@ -52,9 +52,7 @@ class RestInWind:
     def doubt_start(self, K: sparse.csc_matrix, free: sparse.csr_matrix, run_info: RunInfo) -> None:
         """Doubt a run that begins, in calm air, farther from its rest than linear theory reaches.
 
-        Args:
-            K: (unknown, unknown) N/m, about the rest in the wind.
-            free: (place, unknown), places moved by unknowns.
+        `K`: (unknown, unknown) N/m, about the rest in the wind; `free`: (place, unknown), places moved by unknowns.
         """
         known = -free @ np.asarray(scipy.sparse.linalg.spsolve(K, free.T @ self.pushed)).reshape(-1)
         missed, way = (float(np.abs(part).max(initial=0.0)) for part in (known - self.moved, self.moved))
@@ -87,8 +85,7 @@ class RestInWind:
 def unknowns_at(moved: Array, free: sparse.csr_matrix) -> Array:
     """Unknowns that are nearest to displacements of all places (place,) in m.
 
-    Args:
-        free: (place, unknown), places moved by unknowns.
+    `free`: (place, unknown), places moved by unknowns.
     """
     normal = (free.T @ free).tocsc()
     return np.asarray(scipy.sparse.linalg.spsolve(normal, free.T @ moved)).reshape(-1)
