@@ -53,7 +53,7 @@ help:
 	@echo "make matrix       what works on what: thousands of short runs, into docs/capabilities.md"
 	@echo "make references   every case of the matrix and every example against the recorded references (20 minutes on two cores)"
 	@echo "make properties   PAIRS (2000) of scenarios that mechanics relates, drawn with SEEDS (1): a quarter of an hour of CPU"
-	@echo "make release      wheel and sdist in dist/, both tried in fresh environments"
+	@echo "make release      sdist, a wheel for each platform and the WebAssembly module in dist/; what runs here is tried"
 	@echo "make figures      the figures of the paper, in out/figures"
 	@echo "make bench        riding against sharing, cost per node, moving bodies, and error against time beside peers (make peers installs them)"
 	@echo "make clean-cache  forget compiled kernels"
@@ -208,9 +208,8 @@ types: $(VENV)/.dev
 # With the page of the studio, so that users need no Node.
 release: $(STUDIO)/index.html $(VENV)/.core
 	@rm -rf dist
-	@$(INSTALL) build
-	@$(BIN)/python -m build --outdir dist
-	@for package in dist/*; do .ci/try-package $(BIN)/python "$$package" $(CONSTRAINTS) || exit 1; done
+	@$(INSTALL) build hatchling lief $$(cd build_core && ../$(BIN)/python -c 'import compiler; print(compiler.ZIG)')
+	@$(BIN)/python build_core/release.py $(CONSTRAINTS)
 
 # -- Tidying -----------------------------------------------------------------------------------------------------
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 ZIG = "ziglang==0.17.1"
 FLAGS = (
-    "-std=c++20", "-O3", "-ffreestanding", "-fno-exceptions", "-fno-rtti", "-fno-threadsafe-statics",
+    "-std=c++20", "-O3", "-g0", "-ffreestanding", "-fno-exceptions", "-fno-rtti", "-fno-threadsafe-statics",
     "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math", "-Wall", "-Wextra", "-Werror",
 )  # fmt: skip
 CHECKED = ("-O1", "-g", "-fsanitize=undefined,bounds-strict", "-fsanitize-undefined-trap-on-error", "-DRW_CHECKED")
@@ -38,11 +38,13 @@ class Target(NamedTuple):
 
 
 _ELF = ("-fPIC",), ("-shared", "-nostdlib", "-Wl,-Bsymbolic")
+_MAC = "-shared", "-nostdlib", "-Wl,-install_name,@rpath/core.dylib"
 TARGETS = {
     "manylinux_2_17_x86_64": Target("x86_64-linux-gnu.2.17", "core.so", *_ELF),
     "manylinux_2_17_aarch64": Target("aarch64-linux-gnu.2.17", "core.so", *_ELF),
-    "macosx_11_0_arm64": Target("aarch64-macos.11.0", "core.dylib", ("-fPIC",), ("-shared", "-nostdlib")),
+    "macosx_11_0_arm64": Target("aarch64-macos.11.0", "core.dylib", ("-fPIC",), _MAC),
     "win_amd64": Target("x86_64-windows-gnu", "core.dll", ("-mno-stack-arg-probe",), ("-shared", "-nostdlib")),
+    "wasm32": Target("wasm32-freestanding", "core.wasm", (), ("-nostdlib", "-Wl,--no-entry", "-Wl,--export-dynamic")),
 }
 """Platforms by the tag of their wheels."""
 VARIANTS = {

@@ -17,7 +17,7 @@ _DENSE = 600
 """Number of unknowns up to which all eigenvalues are computed."""
 
 
-class Spectrum(NamedTuple):
+class Eigenmodes(NamedTuple):
     """Modes of small undamped motions, by rising frequency."""
 
     squares: Array
@@ -32,7 +32,7 @@ class Spectrum(NamedTuple):
             return np.asarray(np.sqrt(self.squares) / (2.0 * np.pi))
 
 
-def find_modes(bound: Bound, count: int) -> Spectrum:
+def find_modes(bound: Bound, count: int) -> Eigenmodes:
     """Return the lowest modes of K and M at the positions of the State, which should be an equilibrium.
 
     Args:
@@ -49,4 +49,4 @@ def find_modes(bound: Bound, count: int) -> Spectrum:
         below = -1e-9 * float(abs(scaled).max())  # K itself may be singular
         squares, vectors = eigsh(scaled, count, sigma=below, v0=np.ones(size))
     shapes = (free @ (scale[:, None] * vectors)).T.reshape(-1, *bound.model.mobility.shape)
-    return Spectrum(squares, shapes)
+    return Eigenmodes(squares, shapes)
