@@ -70,7 +70,7 @@ struct Assembly {
             Record& r = contacts.record(k);
             double x[Touch<AXES>::UNKNOWNS];
             contacts.gather_at(r, k, s.position, x);
-            Touch<AXES>::note(r, x);
+            Touch<AXES>::note(r, Touch<AXES>::template answer<double>(r, x), x);
             for (I64 axis = 0; axis < AXES; axis++) {
                 values[axis * m.contacts + k] = r.force[axis];
                 values[(AXES + axis) * m.contacts + k] = r.tip[axis];

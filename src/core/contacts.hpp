@@ -108,6 +108,7 @@ struct Contacts {
         const I64 n = s.run_links[r.run], first = s.run_first[r.run];
         r.part[0] = 0.5 * (0.5 - f) * (0.5 - f), r.part[1] = 0.75 - f * f, r.part[2] = 0.5 * (0.5 + f) * (0.5 + f);
         r.change[0] = (f - 0.5) * per_length, r.change[1] = -2.0 * f * per_length, r.change[2] = (f + 0.5) * per_length;
+        const Links own = links_of(m, r.run);
         for (I64 j = 0; j < BELOW; j++) {
             I64 run = r.run, i = link - 1 + j;
             if (i < 0 && run > 0 && m.run_continues[run - 1])
@@ -120,7 +121,7 @@ struct Contacts {
                 i = link;
             }
             r.link[j] = (run == r.run ? first : s.run_first[run]) + i;
-            r.links[j] = links_of(m, run);
+            r.links[j] = run == r.run ? own : links_of(m, run);
             r.links[j].begins = i == 0 || !m.run_curved[run];
             r.links[j].ends = i == s.run_links[run] - 1 || !m.run_curved[run];
         }

@@ -139,13 +139,14 @@ struct Motion {
         for (I64 k = 0; k < m.contacts; k++) {
             Record& r = contacts.record(k);
             I64 nodes[Contacts<AXES>::NODES_OF];
-            double x[Element::UNKNOWNS], v[Element::UNKNOWNS]{}, f[Element::UNKNOWNS]{};
+            double x[Element::UNKNOWNS], v[Element::UNKNOWNS], f[Element::UNKNOWNS]{};
             contacts.nodes_of(r, m.contact_body[k], nodes);
             gather<Element, AXES>(s.position, m.stride, nodes, x);
             if constexpr (VISCOUS) gather<Element, AXES>(s.predicted, m.stride, nodes, v);
-            Element::template force<double>(r, Context{s.time[0], 0.0}, x, v, f);
+            const auto all = Element::template answer<double>(r, x);
+            Element::template apply<VISCOUS, double>(r, all, x, v, f);
             scatter<Element, AXES>(f, m.stride, nodes, w.force);
-            Element::note(r, x);
+            Element::note(r, all, x);
             sum_work(r, k, kick);
         }
     }

@@ -165,20 +165,6 @@ struct Touch {
         return found;
     }
 
-    template <class S>
-    static void force(const Record& r, const Context&, const S* x, const S* v, S* f) {
-        const Geometry<S> g = measure(r, x);
-        if (r.state == Touching::NO || g.is_apart) return;
-        S K = r.K;
-        if (r.state == Touching::YES) {
-            const Solution<S> found = complete(r, g);
-            K = found.K;
-            press(r, g, found, f);
-        }
-        for (int j = 0; j < BELOW; j++)
-            if (r.part[j] > 0.0) lengthen(r, j, K, x, v, f);
-    }
-
     // Force N of the contact on its run, and parts of it: d and e where the force is given.
     template <class S>
     struct Pressed {
@@ -196,11 +182,40 @@ struct Touch {
         return found;
     }
 
+    // All that is found at positions x.
+    template <class S>
+    struct Answer {
+        Geometry<S> g;
+        Solution<S> found;
+        Pressed<S> at;
+    };
+    template <class S>
+    static Answer<S> answer(const Record& r, const S* x) {
+        Answer<S> all{measure(r, x), {}, {}};
+        all.found.K = r.K;
+        if (r.state != Touching::YES || all.g.is_apart) return all;
+        all.found = complete(r, all.g);
+        all.at = pressed(r, all.g, all.found.moving);
+        return all;
+    }
+
+    template <class S>
+    static void force(const Record& r, const Context&, const S* x, const S* v, S* f) {
+        apply<true>(r, answer(r, x), x, v, f);
+    }
+    template <bool VISCOUS, class S>
+    static void apply(const Record& r, const Answer<S>& all, const S* x, const S* v, S* f) {
+        if (r.state == Touching::NO || all.g.is_apart) return;
+        if (r.state == Touching::YES) press(r, all, f);
+        for (int j = 0; j < BELOW; j++)
+            if (r.part[j] > 0.0) lengthen<VISCOUS>(r, j, all.found.K, x, v, f);
+    }
+
     // Forces on the nodes that share the point and on the body. As t turns with the nodes, N has a moment about p.
     template <class S>
-    static void press(const Record& r, const Geometry<S>& g, const Solution<S>& found, S* f) {
-        const Pressed<S> at = pressed(r, g, found.moving);
-        const S moment = (r.along - found.moving) * at.e / g.spread;
+    static void press(const Record& r, const Answer<S>& all, S* f) {
+        const Pressed<S>& at = all.at;
+        const S moment = (r.along - all.found.moving) * at.e / all.g.spread;
         for (int i = 0; i < AXES; i++) {
             for (int k = 0; k < SHARED; k++)
                 f[k * AXES + i] = f[k * AXES + i] + (r.weight[k] * at.N[i] - r.slope[k] * (moment * at.d[i]));
@@ -209,15 +224,17 @@ struct Touch {
     }
 
     // What the forces of a link change by as the kink lengthens it.
-    template <class S>
+    template <bool VISCOUS, class S>
     static void lengthen(const Record& r, int j, const S& K, const S* x, const S* v, S* f) {
         S c[AXES], a[AXES], b[AXES], first[AXES], against_a[AXES], against_b[AXES], along{};
         chord(r, j, x, c, a, b);
-        const S* const rate = v + LINKS + j * LINK;
-        for (int i = 0; i < AXES; i++) along = along + c[i] * (rate[2 * AXES + i] - rate[AXES + i]);
+        if constexpr (VISCOUS) {
+            const S* const rate = v + LINKS + j * LINK;
+            for (int i = 0; i < AXES; i++) along = along + c[i] * (rate[2 * AXES + i] - rate[AXES + i]);
+        }
         const S without = Curved<AXES>::square_of(c, a, b) + r.before[j];
-        const Pull<S> with = pull<true>(r.links[j].axial, without + (2.0 * r.part[j]) * K, along);
-        const Pull<S> own = pull<true>(r.links[j].axial, without, along);
+        const Pull<S> with = pull<VISCOUS>(r.links[j].axial, without + (2.0 * r.part[j]) * K, along);
+        const Pull<S> own = pull<VISCOUS>(r.links[j].axial, without, along);
         Curved<AXES>::act({with.elastic - own.elastic, with.total - own.total}, 0.0, c, a, b, first, against_a,
                           against_b);
         Curved<AXES>::distribute(r.links[j], first, against_a, against_b, f + LINKS + j * LINK);
@@ -226,38 +243,36 @@ struct Touch {
     // With the potential of the given force, which is constant.
     template <class S>
     static S energy(const Record& r, const Context&, const S* x) {
-        const Geometry<S> g = measure(r, x);
-        if (r.state == Touching::NO || g.is_apart) return S(0.0);
-        S K = r.K, stored{};
+        const Answer<S> all = answer(r, x);
+        if (r.state == Touching::NO || all.g.is_apart) return S(0.0);
+        S stored{};
         if (r.state == Touching::YES) {
-            const Solution<S> found = complete(r, g);
-            const Pressed<S> at = pressed(r, g, found.moving);
+            const Pressed<S>& at = all.at;
+            const Slope<S>& rest = all.found.rest;
             S square{};
             for (int i = 0; i < AXES; i++) {
                 square = square + at.d[i] * at.d[i];
-                if (!r.has_body) stored = stored - r.given[i] * (g.p[i] + at.d[i] + at.e * g.t[i]);
+                if (!r.has_body) stored = stored - r.given[i] * (all.g.p[i] + at.d[i] + at.e * all.g.t[i]);
             }
-            K = found.K;
-            stored =
-                stored + 0.5 * square * (found.rest.value - found.T * found.rest.slope) + 0.5 * r.along * at.e * at.e;
+            stored = stored + 0.5 * square * (rest.value - all.found.T * rest.slope) + 0.5 * r.along * at.e * at.e;
         }
         for (int j = 0; j < BELOW; j++) {
             const S without = length_of(r, j, x) + r.before[j];
-            stored = stored + (Straight<AXES>::stored(r.links[j].axial, without + (2.0 * r.part[j]) * K) -
+            stored = stored + (Straight<AXES>::stored(r.links[j].axial, without + (2.0 * r.part[j]) * all.found.K) -
                                Straight<AXES>::stored(r.links[j].axial, without));
         }
         return stored;
     }
 
     // Note the force on the run, where it acts, and the change of all energy with the place.
-    static void note(Record& r, const double* x) {
-        const Geometry<double> g = measure(r, x);
+    static void note(Record& r, const Answer<double>& all, const double* x) {
+        const Geometry<double>& g = all.g;
+        const Solution<double>& found = all.found;
         r.push = r.square = r.softer = 0.0;
         for (int i = 0; i < 3; i++) r.force[i] = r.tip[i] = 0.0;
-        double K = r.K, push = 0.0;
+        double push = 0.0;
         if (r.state == Touching::YES && !g.is_apart) {
-            const Solution<double> found = complete(r, g);
-            const Pressed<double> at = pressed(r, g, found.moving);
+            const Pressed<double>& at = all.at;
             const double bare = bare_stiffness(r.kink, found.T).value,
                          part = bare > 0.0 ? found.rest.value / bare : 1.0;
             double turning = 0.0, bent[AXES]{}, back = 0.0;
@@ -276,7 +291,8 @@ struct Touch {
             push += (r.along - found.moving) * at.e * turning;
         }
         for (int j = 0; j < BELOW; j++)
-            push += r.change[j] * K * pull<false>(r.links[j].axial, g.lengths[j] + 2.0 * r.part[j] * K, 0.0).elastic;
+            push += r.change[j] * found.K *
+                    pull<false>(r.links[j].axial, g.lengths[j] + 2.0 * r.part[j] * found.K, 0.0).elastic;
         if (r.state != Touching::NO && !g.is_apart) r.push = push;
     }
 };

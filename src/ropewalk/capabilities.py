@@ -207,6 +207,7 @@ def check_spectrum(scenario: Scenario, *, with_loads: bool, at_rest: bool = True
     """Refuse what networks and lines with inner supports do not bear at rest, and loads without matrices with loads.
 
     Args:
+        scenario: whose spectrum is asked for.
         with_loads: whether that is with its loads.
         at_rest: whether it is about rest, not about an instant of a motion.
 
@@ -246,7 +247,8 @@ def check_spectrum(scenario: Scenario, *, with_loads: bool, at_rest: bool = True
 def check_without_feedback(scenario: Scenario) -> None:
     """Refuse loads of which it is not computed what force they exert on rigid ground.
 
-    Raises ScenarioError: there is such a load.
+    Raises:
+        ScenarioError: there is such a load.
     """
     what = "a run without feedback"
     for name, load in scenario.loads.items():

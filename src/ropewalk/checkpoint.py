@@ -61,7 +61,8 @@ def copied(tree: Tree) -> Tree:
 def put(arrays: Arrays, values: Tree) -> None:
     """Write values into arrays in place: compiled code keeps those that it was given.
 
-    Raises CheckpointError: they are not of the same names, shapes and types.
+    Raises:
+        CheckpointError: they are not of the same names, shapes and types.
     """
     if not isinstance(values, Mapping) or arrays.keys() != values.keys():
         raise CheckpointError("the state is that of another run: it has other parts")
@@ -104,7 +105,11 @@ def _bare(array: NDArray[Any]) -> NDArray[Any]:
 
 
 def to_bytes(tree: Tree) -> bytes:
-    """A tree as bytes. Raises CheckpointError: something in it is no data."""
+    """A tree as bytes.
+
+    Raises:
+        CheckpointError: something in it is no data.
+    """
     parts: list[bytes] = []
     text = json.dumps(_plain(tree, "state", parts), separators=(",", ":")).encode()
     body = b"".join((len(text).to_bytes(8, "little"), text, *parts))
@@ -114,7 +119,8 @@ def to_bytes(tree: Tree) -> bytes:
 def from_bytes(data: bytes | memoryview) -> Tree:
     """The tree that `to_bytes` has written, whatever stands behind it.
 
-    Raises CheckpointError: it is torn, or no such thing.
+    Raises:
+        CheckpointError: it is torn, or no such thing.
     """
     data = memoryview(data)
     size = int.from_bytes(data[len(_MAGIC) : len(_MAGIC) + 8], "little")

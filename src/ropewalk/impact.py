@@ -26,7 +26,12 @@ Static = dict[str, dict[str, float]]
 def static_part(scenario: Scenario, simulate: Callable[[Scenario], xr.Dataset]) -> Static:
     """Largest static deflection, moment and shear of a crossing, by line and place.
 
-    Raises RopewalkError: the loads find no rest somewhere on their way.
+    Args:
+        scenario: of a motion, whose outputs ask for it.
+        simulate: runs a scenario.
+
+    Raises:
+        RopewalkError: the loads find no rest somewhere on their way.
     """
     named, loads = list(scenario.loads.items()), list(scenario.loads.values())
     speeds: list[Any] = [getattr(getattr(load, "travel", None), "speed", None) for load in loads]

@@ -28,7 +28,12 @@ SAMPLES = 2000  # of a force history, at least
 def forces_of_pantograph(scenario: Scenario, name: str) -> dict[str, MovingForce]:
     """The forces that a pantograph exerts on rigid contact wires, by the names of its contacts in a result.
 
-    Raises RopewalkError: it does not come to the end of its run.
+    Args:
+        scenario: with a motion in time.
+        name: of the pantograph.
+
+    Raises:
+        RopewalkError: it does not come to the end of its run.
     """
     run, load = scenario.run, scenario.loads[name]
     assert isinstance(run, Dynamic)

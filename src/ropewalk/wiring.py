@@ -51,7 +51,8 @@ _HEAVY = 500.0  # N: droppers bear about 100 N
 def task_of(scenario: Scenario) -> WireTask:
     """What is to be computed.
 
-    Raises RopewalkError: an overhead line cannot rest as wanted, or a load cannot be used.
+    Raises:
+        RopewalkError: an overhead line cannot rest as wanted, or a load cannot be used.
     """
     run = scenario.run
     until = run.until if isinstance(run, Dynamic) else horizon(scenario) if isinstance(run, Quasistatic) else 0.0
@@ -137,7 +138,9 @@ def task_of(scenario: Scenario) -> WireTask:
         diagnostics += tuple(remark for name, line in scenario.overhead_lines.items() for remark in _unseen(name, line))
     return WireTask(
         plan, tuple(prescribed_motions), tuple(contacts), tuple(displayed), elements,
-        external_models=tuple(external_models), diagnostics=diagnostics, **more,
+        external_models=tuple(external_models),
+        diagnostics=diagnostics,
+        **more,
     )  # fmt: skip
 
 
@@ -154,7 +157,11 @@ def _in_mode(start: Beginning, groups: Mapping[str, range], rest: WireStart) -> 
 
 
 def _as_stored(start: Beginning, space: bool, bow: Array | None, rest: WireStart) -> tuple[Array, Array]:
-    """Positions and velocities of wires at a stored instant."""
+    """Positions and velocities of wires at a stored instant.
+
+    Raises:
+        RopewalkError: the file does not fit, or an end is held elsewhere.
+    """
     axes = [0, 1, 2] if space else [0, 2]
     found = stored_instant(start, rest.mesh.nodes, len(axes))
     position, velocity = rest.position.copy(), np.zeros_like(rest.position)
@@ -219,7 +226,12 @@ def _side(line: OverheadLine) -> float:
 def _pantograph(name: str, load: Pantograph, under: Sequence[_Under], until: float, *, slow: bool) -> PrescribedMotion:
     """The prescribed motion of a pantograph.
 
-    `until`: s, end of the run; `slow`: whether it presses with all of its force from the beginning.
+    Args:
+        name: of the load.
+        load: as declared.
+        under: the lines that it is under, its own first.
+        until: s, end of the run.
+        slow: whether it presses with all of its force from the beginning.
     """
     section = under[0].section
     course, start = Travelled(*speed_table(load.travel.speed, until)), load.travel.start

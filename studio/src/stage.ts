@@ -391,15 +391,14 @@ export class Stage {
       ink.fillStyle = stroke; // it points at who looks, or away
       dot(ink, at, 5);
     }
-    ink.textAlign = way[0] < -0.3 ? "right" : way[0] > 0.3 ? "left" : "center";
-    const [x, z] = [at[0] + way[0] * (length + 8), at[1] + way[1] * (length + 8)];
     const text = `${name}${written(size, "N")}`;
     const wide = ink.measureText(text).width;
-    const inside = way[0] < -0.3 ? Math.max(x, wide + 4) : Math.min(x, this.canvas.clientWidth - wide - 4);
+    const part = way[0] < -0.3 ? 1 : way[0] > 0.3 ? 0 : 0.5; // of the text, before the end of the arrow
+    const [x, z] = [at[0] + way[0] * (length + 8) - part * wide, at[1] + way[1] * (length + 8)];
+    const inside = Math.max(Math.min(x, this.canvas.clientWidth - wide - 4), EDGE.left); // right of the axis numbers
     const aside = name || inside !== x ? -12 : 0; // where it would stand on its arrow
     const below = Math.max(z + (way[1] > 0.3 ? 10 : aside), 60); // the title
     label(this.pen, text, [inside, below], stroke);
-    ink.textAlign = "left";
   }
 
   /** Level axis of places; upright axis of places, or of displacements where these are exaggerated. */

@@ -3,6 +3,8 @@ docs/notes/gate-of-contacts.md, and so are the errors."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -24,10 +26,10 @@ MOST = 0.5  # of the stable step for waves along a straight run
 def string_of(links: int, joint: int = 0) -> Builder:
     """A taut string of 1 kg under 1 N over 1 m; in two runs that are joined at a node, if there is one."""
     builder, points = Builder(gravity=0.0), np.array([np.linspace(0.0, 1.0, links + 1), np.zeros(links + 1)])
-    run = {"link_length": LENGTH / links, "line_mass": 1.0, "axial_stiffness": EA}
-    first, end = builder.add_run(points[:, : (joint or links) + 1], RunProperties(**run, continues=joint > 0))
+    run = RunProperties(LENGTH / links, 1.0, EA)
+    first, end = builder.add_run(points[:, : (joint or links) + 1], replace(run, continues=joint > 0))
     if joint:
-        again, last = builder.add_run(points[:, joint:], RunProperties(**run))
+        again, last = builder.add_run(points[:, joint:], run)
         builder.join(again, end)
         end = last
     builder.fix(first, end)

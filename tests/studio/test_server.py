@@ -218,7 +218,7 @@ def test_a_sweep_takes_the_processes_that_it_may(tmp_path: Path, monkeypatch: py
         raise RopewalkError(f"{workers} processes")
 
     monkeypatch.setattr("ropewalk.sweeps.sweeping.sweep", sweep)
-    worker = ComputingProcess(multiprocessing.Pipe()[0], tmp_path, allow_code=False, processes=3)
+    worker = ComputingProcess(multiprocessing.Pipe()[0], starting.Settings(tmp_path, workers=3))
     with pytest.raises(RopewalkError, match="3 processes"):
         worker._do_sweep({"text": SWEPT})
 

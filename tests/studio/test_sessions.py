@@ -34,6 +34,18 @@ def test_a_run_that_is_set_up_is_stopped_within_a_second(server: Server) -> None
         assert page.ask("prepare", text=SHORT)["title"] == "A slack rope"  # by a new worker
 
 
+def test_a_stop_that_follows_at_once_stops_the_run(server: Server) -> None:
+    """The run has not reached its worker by then."""
+    with (page := Page(server)).socket:
+        for _ in range(6):
+            number, begin = page.send("run", text=LONG, unkept=True), time.monotonic()
+            page.send("stop")
+            for head, _ in page.messages(number):
+                assert time.monotonic() < begin + 20.0  # s; it would send frames for minutes
+                last = head
+            assert last.get("error", "stopped").startswith("stopped") or last["outcome"] == "interrupted"
+
+
 def test_a_page_that_is_reloaded_finds_its_run_again(server: Server) -> None:
     with (page := Page(server)).socket:
         name = page.ask("hello", page="")["page"]

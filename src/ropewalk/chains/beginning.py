@@ -22,8 +22,9 @@ from ropewalk.solve.vehicle_statics import resting_forces
 def deflect(setting: PreparedRun, state: ChainState, start: Start) -> None:
     """Put lines at rest into a mode: `A sin(n pi xi / L)` across the line through the supports.
 
-    `setting`, `state`: the model and its state of rest; the state is changed; `start`: the mode; all lines have it, or
-    the one that it names.
+    Args:
+        setting, state: the model and its state of rest; the state is changed.
+        start: the mode; all lines have it, or the one that it names.
     """
     assert start.amplitude is not None
     for s, name in enumerate(setting.lines):

@@ -105,7 +105,15 @@ class SplitLinks:
     def of(
         strands: Strands, strand: Integers, xi: Array, speed: Array, nodes: ManyNodes, bodies: ManyBodies
     ) -> SplitLinks:
-        """Look for them. `strand`: (wheel,) of each; `xi`, `speed`: (instant, wheel) m, m/s."""
+        """Look for them.
+
+        Args:
+            strands: the lines.
+            strand: (wheel,) of each.
+            xi, speed: (instant, wheel) m, m/s.
+            nodes: of the lines.
+            bodies: what stands on them.
+        """
         inside = bodies.phase == INSIDE
         order = np.lexsort((xi, np.where(inside, bodies.at, nodes.X.shape[1])), axis=-1)  # those inside of links first
         row, place = np.nonzero(np.take_along_axis(inside, order, axis=1))

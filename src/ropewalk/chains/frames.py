@@ -212,8 +212,10 @@ def contacts(
 ) -> Contacts:
     """What is told of loads; reactions (instant, support, axis) get those that stand on supports.
 
-    `mean_hold`: (instant, load) N, along x since the instant before: from step to step it ripples where a load passes
-    nodes; `weightless`: whether bodies only press as they are told to; motions of others note what they press with.
+    Args:
+        mean_hold: (instant, load) N, along x since the instant before: from step to step it ripples where a load
+            passes nodes.
+        weightless: whether bodies only press as they are told to; motions of others note what they press with.
     """
     loads, bodies, (count, dim, _) = setting.loads, states.bodies, states.r.shape
     seen = Contacts(count, states.xi.shape[1], dim)

@@ -13,7 +13,10 @@ from ropewalk.solve.start import PreparedRun
 def energies_of_ends(ends: Ends, t: Array, r: Array, w: Array) -> tuple[Array, Array, Array]:
     """Kinetic, elastic and gravitational energies of what yields or moves with ends, (instant,) J.
 
-    `t`: (instant,) s; `r`, `w`: (instant, axis, node) m, m/s.
+    Args:
+        ends: they.
+        t: (instant,) s.
+        r, w: (instant, axis, node) m, m/s.
     """
     at, v = r[:, :, ends.node].swapaxes(1, 2), w[:, :, ends.node].swapaxes(1, 2)
     moved = at - places_of(ends, t)
@@ -46,7 +49,10 @@ def let_yield(setting: PreparedRun, ends: Ends, t: Array, X: Array, r: Array, w:
     On half a link at the end act the line, the loads there, and the reaction; the latter is all that the line knows of
     spring, damper, rail and mass.
 
-    `t`, `X`, `r`, `w`: (instant, ...) as of the chain; `reaction`: changed in place, N.
+    Args:
+        setting, ends: the lines.
+        t, X, r, w: (instant, ...) as of the chain.
+        reaction: changed in place, N.
     """
     strands, supports, places = setting.strands, setting.supports, places_of(ends, t)
     for e, number in enumerate(ends.number.tolist()):

@@ -44,6 +44,8 @@ class Chain:
     """Plain lines as the engine of a motion, in their first state.
 
     Args:
+        scenario: what is computed.
+        run_info: filled in.
         times: output instants in s, from 0.
         past: what `get_state` gave, to go on from there: method and step are those.
 
@@ -158,7 +160,8 @@ class Chain:
     def _remark(self, frame: Frame, parting: Array | None) -> None:
         """Note what one should know of a frame of the motion.
 
-        `parting`: (wheel,) J, lost by lines when wheels left them; None: nothing has a mass.
+        Args:
+            parting: (wheel,) J, lost by lines when wheels left them; None: nothing has a mass.
         """
         if frame.path <= 0.0:
             return

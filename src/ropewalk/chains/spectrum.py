@@ -24,7 +24,11 @@ from ropewalk.solve.vehicle_statics import resting_forces
 
 
 def state_at(scenario: Scenario, t: float) -> tuple[PreparedRun, ChainState, Bodies | None]:
-    """The model of a dynamic run, its state at time t in s, and all that has a mass."""
+    """The model of a dynamic run, its state at time t in s, and all that has a mass.
+
+    Raises:
+        RopewalkError: the run does not come to the instant.
+    """
     assert isinstance(scenario.run, Dynamic)
     if t <= 0.0:
         setting = setting_of(scenario, scenario.run.until)

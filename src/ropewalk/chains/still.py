@@ -22,7 +22,13 @@ from ropewalk.solve.vehicle_statics import loaded_bodies, potential_of
 class ChainStatics:
     """A run without inertia: its layout, and its frames.
 
-    `until`: how long the histories of the loads are needed, s; raises EquilibriumError: a line has no rest shape.
+    Args:
+        scenario: what is computed.
+        run_info: filled in.
+        until: how long the histories of the loads are needed, s.
+
+    Raises:
+        EquilibriumError: a line has no rest shape.
     """
 
     def __init__(self, scenario: Scenario, run_info: RunInfo, until: float) -> None:
@@ -42,7 +48,15 @@ class ChainStatics:
         return self._frame(LoadPosition(0.0, 0.0, xi, marks, *shapes(self.setting, xi, 0.0), left))
 
     def slowly(self, positions: int, turn: float | None) -> Iterator[Frame]:
-        """Yield frames at equal steps of the load path until all loads have left or stopped, see `StaticEngine`."""
+        """Yield frames at equal steps of the load path, until all loads have left their lines or stopped.
+
+        Args:
+            positions: how many.
+            turn: rad, see `solve/following.py`.
+
+        Raises:
+            EquilibriumError: no load moves, or there is no equilibrium with the loads somewhere on their path.
+        """
         for place in walk(self.setting, positions, turn):
             yield self._frame(place)
 
@@ -91,8 +105,14 @@ def loaded_frame(setting: PreparedRun, at: LoadPosition) -> Frame:
     seen.state[:] = STICKS
     seen.leave(at.left)
     return Frame(
-        path=at.path, position=nodes, velocity=np.zeros_like(nodes), tension=np.concatenate(tension),
-        strain=np.concatenate(strain), **seen.fields(), body_position=bodies, body_velocity=np.zeros_like(bodies),
+        path=at.path,
+        position=nodes,
+        velocity=np.zeros_like(nodes),
+        tension=np.concatenate(tension),
+        strain=np.concatenate(strain),
+        **seen.fields(),
+        body_position=bodies,
+        body_velocity=np.zeros_like(bodies),
         reaction=np.array(reaction),
         energy=energies(elastic=elastic, gravitational=gravitational, load_potential=potential),
-    )  # fmt: skip
+    )

@@ -161,11 +161,11 @@ def show_in(
     dataset: xr.Dataset,
     output: Path,
     quiet: bool,
-    panels: Sequence[str] | None,
-    size: str | None,
-    units: DisplayUnits | None,
-    every: str | None,
-    at: Sequence[str] | None,
+    panels: Sequence[str] | None = None,
+    size: str | None = None,
+    units: DisplayUnits | None = None,
+    every: str | None = None,
+    at: Sequence[str] | None = None,
 ) -> list[Path]:
     """Write a result as what the name of the file asks for; gives the files written."""
     from ropewalk import results

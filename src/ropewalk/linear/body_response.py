@@ -78,7 +78,11 @@ class _Way:
 def response_of(
     setting: PreparedRun, scenario: Scenario, name: str, s: int, chord: Chord, times: Array, run_info: RunInfo
 ) -> BodyResponse:
-    """The ride of load `name`, which is alone on line s."""
+    """The ride of load `name`, which is alone on line s.
+
+    Raises:
+        RopewalkError: what is asked is beyond the solutions that are known.
+    """
     assert isinstance(scenario.run, Linear)
     load = scenario.loads[name]
     way = _way(setting, chord, np.flatnonzero([wheel.load == name for wheel in setting.wheels]))
@@ -133,9 +137,16 @@ def _mention_sag(setting: PreparedRun, name: str, way: _Way, run_info: RunInfo) 
 
 
 def _on_beam(
-    system: Multibody, way: _Way, nodes: Array, times: Array, modes: int | None, name: str, run_info: RunInfo, *,
+    system: Multibody,
+    way: _Way,
+    nodes: Array,
+    times: Array,
+    modes: int | None,
+    name: str,
+    run_info: RunInfo,
+    *,
     lifts: bool,
-) -> BodyResponse:  # fmt: skip
+) -> BodyResponse:
     """By the modes of a beam; a string with a number of modes is one without stiffness."""
     chord, line = way.chord, way.chord.beam
     if chord.is_string:

@@ -82,7 +82,8 @@ class Chord:
 def chords(setting: PreparedRun, scenario: Scenario, run_info: RunInfo) -> list[Chord]:
     """The lines as strings or beams along their chords; remarks go to the account.
 
-    Raises EquilibriumError: a line is slack: it has no tension to work with.
+    Raises:
+        EquilibriumError: a line is slack: it has no tension to work with.
     """
     found = []
     for s, (name, line) in enumerate(scenario.lines.items()):

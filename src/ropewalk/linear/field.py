@@ -173,7 +173,9 @@ class Field:
     def contacts(self, times: Array, rows: slice) -> Contacts:
         """What frames tell of the loads on the line.
 
-        `times`: (instant,) s, all of those that `motion` was asked for.
+        Args:
+            times: (instant,) s, all of those that `motion` was asked for.
+            rows: those of them that are meant.
         """
         loads, chord, own = self.setting.loads, self.chord, self.setting.on[self.s]
         t, dim = times[rows], chord.along.size

@@ -100,7 +100,8 @@ def truncation_errors(chord: Chord, links: int, modes: int, place: Array, force:
 def truncation_warning(name: str, chord: Chord, links: int, modes: int, place: Array, force: Array) -> str:
     """Return a warning of a line whose modes are too few for some quantity; empty where there is none.
 
-    `chord`, `links`, `modes`, `place`, `force`: see `truncation_errors`.
+    Args:
+        chord, links, modes, place, force: see `truncation_errors`.
     """
     errors = truncation_errors(chord, links, modes, place, force)
     if max(errors.values()) <= _REPORTED:
@@ -121,7 +122,8 @@ _IN_IMPACTS = ENERGY_FORMS.index("contact_dissipation")
 def frames(setting: PreparedRun, scenario: Scenario, times: Array, run_info: RunInfo) -> Iterator[Frames]:
     """The frames at the given times, s, some at a time.
 
-    Raises RopewalkError: what is asked is beyond the solutions that are known.
+    Raises:
+        RopewalkError: what is asked is beyond the solutions that are known.
     """
     lines = chords(setting, scenario, run_info)
     fields = [Field(setting, scenario, s, chord) for s, chord in enumerate(lines)]
@@ -148,7 +150,10 @@ def _missed_by_modes(
 ) -> Iterator[str]:  # fmt: skip
     """Warnings of lines on which a given number of modes leaves much of the static response out.
 
-    `pressed`: places (instant, load), m, and forces of its loads, (instant, load, axis) N.
+    Args:
+        setting: the run.
+        fields: its lines.
+        pressed: places (instant, load), m, and forces of its loads, (instant, load, axis) N.
     """
     where, force = (np.concatenate(parts) for parts in zip(*pressed, strict=True))
     for field in fields:
@@ -162,7 +167,11 @@ def _missed_by_modes(
 
 
 def _refuse_to_pass(setting: PreparedRun, scenario: Scenario, fields: list[Field], times: Array) -> None:
-    """Refuse loads that would pass an end of a line whose length was not known before."""
+    """Refuse loads that would pass an end of a line whose length was not known before.
+
+    Raises:
+        RopewalkError: there is such a load.
+    """
     for field in fields:
         slack = 1e-9 * field.chord.length
         for k in setting.on[field.s]:
@@ -174,9 +183,13 @@ def _refuse_to_pass(setting: PreparedRun, scenario: Scenario, fields: list[Field
 
 
 def _frames(
-    setting: PreparedRun, fields: list[Field], responses: list[BodyResponse | None], nodes: list[tuple[Array, Array]],
-    times: Array, rows: slice,
-) -> Frames:  # fmt: skip
+    setting: PreparedRun,
+    fields: list[Field],
+    responses: list[BodyResponse | None],
+    nodes: list[tuple[Array, Array]],
+    times: Array,
+    rows: slice,
+) -> Frames:
     """The frames of some instants."""
     dim, t = len(setting.axes), times[rows]
     seen = Contacts(t.size, setting.xi.size, dim)

@@ -25,11 +25,15 @@ class Series:
     """Deflections of a line at rest at first, under one force.
 
     Args:
+        chord: the line.
         path: places of the force in m at times in s; beyond the ends it does not act.
         force: sizes in N at times in s.
         jumps: s, where speeds or forces jump.
         until: s.
         modes: how many; None: until those left out are a millionth.
+
+    Raises:
+        RopewalkError: too many would be needed.
     """
 
     def __init__(
@@ -93,7 +97,12 @@ def wave_numbers_and_rates(chord: Chord, modes: int | None) -> tuple[Array, Comp
 
     They are kept: the same line under other loads, or the same loads at another speed, has the same modes.
 
-    `modes`: how many; None: until those left out are a millionth.
+    Args:
+        chord: the line.
+        modes: how many; None: until those left out are a millionth.
+
+    Raises:
+        RopewalkError: too many would be needed.
     """
     beam = chord.bending_stiffness, chord.tension, chord.foundation
     return _modes(chord.length, *beam, chord.mass, chord.damping, chord.retardation, modes)
@@ -121,7 +130,11 @@ def _wave_numbers(length: float, count: int) -> Array:
 
 
 def _enough(length: float, stiffness: Callable[[Array], Array]) -> int:
-    """How many modes are enough."""
+    """How many modes are enough.
+
+    Raises:
+        RopewalkError: they are too many.
+    """
     flexible = 1.0 / stiffness(_wave_numbers(length, 20 * _MOST))
     left = 1.0 - np.cumsum(flexible) / flexible.sum()
     found = int(np.argmax(left < _LEFT_OUT)) + 1

@@ -29,10 +29,14 @@ class SteadyForces:
     """Deflections of a line at rest at first.
 
     Args:
+        chord: the line.
         begin: (force,) m, where they are at time 0, also beside the line.
         speed: (force,) m/s.
         force: (force,) N, across the line.
         modes: how many; None: until those left out are a millionth.
+
+    Raises:
+        RopewalkError: too many would be needed.
     """
 
     def __init__(self, chord: Chord, begin: Array, speed: Array, force: Array, modes: int | None) -> None:
@@ -76,7 +80,10 @@ class SteadyForces:
     def under(self, times: Array, rows: slice, which: NDArray[np.bool_]) -> tuple[Array, Array]:
         """Deflections in m and slopes (instant, force) under forces; zero where they are not asked for.
 
-        `times`: (instant,) s, rising from 0; `which`: (instant, force) where they are asked for.
+        Args:
+            times: (instant,) s, rising from 0.
+            rows: those of them that are meant.
+            which: (instant, force) where they are asked for.
         """
         z, times = self.coordinates(times)[0][rows], times[rows]
         out = np.zeros((2, *which.shape))

@@ -13,7 +13,11 @@ from ropewalk.model.line import Line
 def mean_along(line: Line, key: str, station: Array, of: Callable[[float], float] = float) -> Array:
     """Mean over the half links beside each node of what a line has along it, or of a function of that.
 
-    `station`: (node,) m, evenly spaced from the start to the end.
+    Args:
+        line: with or without segments.
+        key: mass, bending_stiffness or foundation.
+        station: (node,) m, evenly spaced from the start to the end.
+        of: of the value, for example its inverse.
     """
     usual = float(getattr(line, key))
     half = 0.5 * (station[1] - station[0])
@@ -28,6 +32,8 @@ def mean_along(line: Line, key: str, station: Array, of: Callable[[float], float
 def bending_along(line: Line, station: Array) -> Array:
     """Bending stiffness at nodes in N m^2, (node,): what is there turns by the moment as both half links do together.
 
-    `station`: (node,) m, evenly spaced from the start to the end.
+    Args:
+        line: with bending stiffness.
+        station: (node,) m, evenly spaced from the start to the end.
     """
     return 1.0 / mean_along(line, "bending_stiffness", station, lambda EI: 1.0 / EI)

@@ -97,13 +97,15 @@ def strands_of(scenario: Scenario, lengths: Mapping[str, float]) -> Strands:
     gravity = np.zeros(len(axes))
     gravity[-1] = -scenario.gravity
     return Strands(
-        first=np.concatenate(([0], np.cumsum(links + 1)[:-1])), links=links,
+        first=np.concatenate(([0], np.cumsum(links + 1)[:-1])),
+        links=links,
         h=np.array([lengths[name] / line.elements for name, line in lines.items()]),
         rho=np.array([line.mass for line in lines.values()]),
         law=np.array([np.pad(p, (0, width - p.size)) for p in laws]),
         damping=np.array([line.axial_damping for line in lines.values()]),
-        drag=np.array([line.alpha for line in lines.values()]), gravity=gravity,
-    )  # fmt: skip
+        drag=np.array([line.alpha for line in lines.values()]),
+        gravity=gravity,
+    )
 
 
 def tabulate(function: Callable[[float], Any], end: float) -> tuple[Array, NDArray[np.float64]]:
@@ -115,6 +117,9 @@ def tabulate(function: Callable[[float], Any], end: float) -> tuple[Array, NDArr
 
     Returns:
         Times (n,) and values (n,) or (n, component).
+
+    Raises:
+        ValueError: the callable gives something that is not finite.
     """
 
     def value(t: float) -> NDArray[np.float64]:
@@ -178,7 +183,8 @@ def loads_of(
 ) -> Loads:
     """All wheels of a scenario, with their histories tabulated up to the time `until`.
 
-    `axes`: names of the axes, if not those that the scenario needs.
+    Args:
+        axes: names of the axes, if not those that the scenario needs.
     """
     names, axes = list(scenario.lines), axes or axes_of(scenario)
     speeds = [speed_table(wheel.speed, until) for wheel in wheels]
@@ -193,15 +199,19 @@ def loads_of(
         measure=codes([_MEASURES[wheel.measured] for wheel in wheels]),
         contact=codes([_CONTACTS[wheel.contact] for wheel in wheels]),
         at_end=codes([_ENDS[wheel.at_end] for wheel in wheels]),
-        margin=np.array([wheel.margin or 0.0 for wheel in wheels]), speed_first=_first(speeds),
-        speed_count=_count(speeds), speed_time=np.concatenate([none, *(t for t, _ in speeds)]),
+        margin=np.array([wheel.margin or 0.0 for wheel in wheels]),
+        speed_first=_first(speeds),
+        speed_count=_count(speeds),
+        speed_time=np.concatenate([none, *(t for t, _ in speeds)]),
         speed_value=np.concatenate([none, *(v for _, v in speeds)]),
-        speed_path=np.concatenate([none, *(Travelled(t, v).path for t, v in speeds)]), force_first=_first(forces),
-        force_count=_count(forces), force_time=np.concatenate([none, *(t for t, _ in forces)]),
+        speed_path=np.concatenate([none, *(Travelled(t, v).path for t, v in speeds)]),
+        force_first=_first(forces),
+        force_count=_count(forces),
+        force_time=np.concatenate([none, *(t for t, _ in forces)]),
         force_value=np.concatenate([np.zeros((len(axes), 0)), *(v for _, v in forces)], axis=1),
         friction=np.array([np.nan if wheel.friction is None else wheel.friction for wheel in wheels], dtype=float),
         friction_model=codes([_FRICTION_MODELS[wheel.friction_model] for wheel in wheels]),
-    )  # fmt: skip
+    )
 
 
 def supports_of(scenario: Scenario, until: float) -> Supports:
@@ -221,10 +231,12 @@ def supports_of(scenario: Scenario, until: float) -> Supports:
         stiffness=np.array([stiffness for _, stiffness, *_ in restrained]).reshape(-1, dim, dim),
         damping=np.array([damping for *_, damping, _ in restrained]).reshape(-1, dim, dim),
         mass=np.array([getattr(support, "mass", 0.0) for _, support in ends]),
-        force=np.array([force for *_, force in restrained]).reshape(-1, dim), motion_first=_first(motions),
-        motion_count=_count(motions), motion_time=np.concatenate([t for t, _ in motions]),
+        force=np.array([force for *_, force in restrained]).reshape(-1, dim),
+        motion_first=_first(motions),
+        motion_count=_count(motions),
+        motion_time=np.concatenate([t for t, _ in motions]),
         motion_value=np.concatenate([v for _, v in motions], axis=1),
-    )  # fmt: skip
+    )
 
 
 def restrained_by(support: Support, axes: tuple[str, ...]) -> tuple[Array, Array, Array, Array]:

@@ -42,7 +42,16 @@ def carriage_masses(load: Carriage) -> tuple[Array, Array]:
 def carriage(
     name: str, load: Carriage, on: list[int], dim: int, first: int, gravity: float
 ) -> tuple[VehicleMatrices, list[Body]]:
-    """Rockers, whose masses move with wheels, and a cabin. `gravity`: m/s^2."""
+    """Rockers, whose masses move with wheels, and a cabin.
+
+    Args:
+        name: of the load.
+        load: what is declared of it.
+        on: its wheels.
+        dim: number of axes.
+        first: its first coordinate.
+        gravity: m/s^2.
+    """
     vehicle = VehicleMatrices.of(dim if load.cabin is not None else 0, [(k, a) for k in on for a in range(dim)])
     M, weight = carriage_masses(load)
     for a in range(dim):

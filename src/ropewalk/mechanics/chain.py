@@ -125,6 +125,16 @@ class ChainBuffers(NamedTuple):
         dim, loads = state.r.shape[0], state.xi.size
         location, one, axes = np.zeros((dim, loads)), np.zeros(loads), np.zeros(dim)
         return ChainBuffers(
-            np.zeros(state.X.size), np.zeros(state.X.size), np.zeros_like(state.r), state.w.copy(), one, location,
-            location.copy(), np.zeros((2, loads)), one.copy(), axes, axes.copy(), tuple(range(dim)),
-        )  # fmt: skip
+            np.zeros(state.X.size),
+            np.zeros(state.X.size),
+            np.zeros_like(state.r),
+            state.w.copy(),
+            one,
+            location,
+            location.copy(),
+            np.zeros((2, loads)),
+            one.copy(),
+            axes,
+            axes.copy(),
+            tuple(range(dim)),
+        )

@@ -28,7 +28,10 @@ class Kernel:
 
     That takes a tenth of a millisecond, and of what a run imports, three of four are called by kernels that are there.
 
-    `function`: as it is written.
+    Args:
+        function: as it is written.
+        compiler: what compiles it.
+        options: of Numba.
     """
 
     def __init__(self, function: Callable[..., Any], compiler: type[PartCompiler], options: dict[str, Any]) -> None:

@@ -186,7 +186,8 @@ def _wheels(name: str, load: AnyLoad, scenario: Scenario) -> Iterator[ContactPoi
 def contacts_of(name: str, load: ExternalModel) -> int:
     """How many contacts an external load may have: of a stepper its attribute `contacts`, an option of that name, or 1.
 
-    Raises RopewalkError: there is no such model.
+    Raises:
+        RopewalkError: there is no such model.
     """
     if isinstance(load, Fmu):
         return len(load.contacts)
@@ -197,7 +198,8 @@ def contacts_of(name: str, load: ExternalModel) -> int:
 def named(name: str, place: str) -> Any:
     """What module:name or file.py:name stands for, for the load of a name.
 
-    Raises RopewalkError: there is no such thing, or external code is forbidden.
+    Raises:
+        RopewalkError: there is no such thing, or external code is forbidden.
     """
     check_code(name, "model", place)
     home, _, attribute = place.rpartition(":")

@@ -31,6 +31,7 @@ def footfalls(gait: Footsteps, foot: int, length: float, until: float) -> tuple[
     both feet, goes on at the other end, or, if that is to be refused, stands beyond it. Who leaves may come late.
 
     Args:
+        gait: of the person.
         foot: 0: that of steps 0, 2, 4, ...; 1: that of steps 1, 3, 5, ...
         length: m.
         until: s.

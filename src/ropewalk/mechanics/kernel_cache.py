@@ -220,7 +220,13 @@ def _unsealed(path: Path) -> bytes | None:
 
 
 def kept(name: str, shape: tuple[int, ...], make: Callable[[], NDArray[np.float64]]) -> NDArray[np.float64]:
-    """An array of numbers that follow from the sources alone, as kernels do, and are kept beside these."""
+    """An array of numbers that follow from the sources alone, as kernels do, and are kept beside these.
+
+    Args:
+        name: of the array, one for each.
+        shape: of it.
+        make: computes it, where it is not there.
+    """
     file = folder() / name
     data = _unsealed(file)
     if data is not None and len(data) == 8 * math.prod(shape):

@@ -31,6 +31,7 @@ def loading_of(
     """Put together all loads of a scenario.
 
     Args:
+        scenario: what is there.
         until: how long their histories are needed, s.
         strands: chains that they travel on, if they do; some of what they are there depends on the mesh.
         axes: names of the axes, if not those that the scenario needs.

@@ -73,8 +73,16 @@ def multibody_system_of(
 ) -> MultibodySystem:
     """Put together all loads of a scenario.
 
-    `strands`: its lines; what depends on the mesh is which wheels are heavy, and how far from supports they stay. None:
-    nobody asks for that; `until`: how long tables are needed, s.
+    Args:
+        scenario: what is there.
+        wheels: its wheels, in order.
+        strands: its lines; what depends on the mesh is which wheels are heavy, and how far from supports they stay.
+            None: nobody asks for that.
+        axes: names of the axes.
+        until: how long tables are needed, s.
+
+    Raises:
+        RopewalkError: a vehicle's matrices cannot be used.
     """
     dim = len(axes)
     bodies = without_vehicles(len(wheels))
@@ -109,7 +117,11 @@ def multibody_system_of(
 def hung(payload: Payload, stiffness: float, gravity: float, axes: tuple[str, ...]) -> Array:
     """Where a payload hangs at the beginning, seen from its trolley, (axis,) m.
 
-    `stiffness`: of its rope, N/m; `gravity`: m/s^2.
+    Args:
+        payload: what is declared of it.
+        stiffness: of its rope, N/m.
+        gravity: m/s^2.
+        axes: names of the axes.
     """
     if payload.at is not None:
         return components(payload.at, axes)
@@ -122,7 +134,9 @@ def hung(payload: Payload, stiffness: float, gravity: float, axes: tuple[str, ..
 def static_loads(load: Vehicle, gravity: float = 0.0) -> list[float]:
     """Forces in N with which the wheels of a vehicle press on level ground at rest, in order.
 
-    `gravity`: that of the scenario, m/s^2, which acts on it if it has none of its own.
+    Args:
+        load: what is declared of it.
+        gravity: that of the scenario, m/s^2, which acts on it if it has none of its own.
     """
     wheels = list(load.wheels.values())
     own = load.gravity if load.gravity is not None else gravity
@@ -162,7 +176,11 @@ def _crowd(scenario: Scenario, wheels: Sequence[ContactPoint], strands: Strands,
 
 
 def _fit_to_mesh(
-    bodies: Bodies, wheels: Sequence[ContactPoint], strands: Strands, lines: list[str], vehicles: list[VehicleMatrices],
+    bodies: Bodies,
+    wheels: Sequence[ContactPoint],
+    strands: Strands,
+    lines: list[str],
+    vehicles: list[VehicleMatrices],
     close: set[int],
 ) -> None:  # fmt: skip
     for k, (record, wheel) in enumerate(zip(bodies.wheels, wheels, strict=True)):

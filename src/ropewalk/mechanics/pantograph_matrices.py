@@ -29,7 +29,10 @@ def rotations_of(pantograph: Pantograph) -> dict[str, HeadRotation]:
 def row_of(pantograph: Pantograph, ahead: float = 0.0, aside: float = 0.0) -> Array:
     """Height of a point of its head by its coordinates, (coordinate,).
 
-    `ahead`: m, of the middle of the head; `aside`: m, to the left of it.
+    Args:
+        pantograph: as declared.
+        ahead: m, of the middle of the head.
+        aside: m, to the left of it.
     """
     lever = {"pitch": ahead, "roll": aside}
     heights = np.eye(len(pantograph.parts.masses))[-1]
@@ -57,7 +60,13 @@ def vehicle_of(
 ) -> tuple[VehicleMatrices, list[Body]]:
     """A pantograph above contacts without mass, as a vehicle is on wheels, and what results show of it.
 
-    `ahead`: m, by how much the strip of each is ahead of the middle of the head.
+    Args:
+        name: of the load.
+        pantograph: as declared; its head does not roll.
+        on: numbers of its contacts.
+        ahead: m, by how much the strip of each is ahead of the middle of the head.
+        dim: how many axes there are.
+        first: number of its first coordinate.
     """
     M, C, K = matrices_of(pantograph)
     n = M.shape[0]

@@ -12,7 +12,12 @@ _BESIDES = 100  # nodes that cost as much in a step as what is there besides the
 
 
 def portion(nodes: int, effort: int = 1) -> int:
-    """Steps in one call. `effort`: how often a step of the method looks at a node."""
+    """Steps in one call.
+
+    Args:
+        nodes: of the structure.
+        effort: how often a step of the method looks at a node.
+    """
     return max(1, _WORK // (effort * (nodes + _BESIDES)))
 
 

@@ -39,6 +39,7 @@ def density(spectrum: str, n: Array) -> Array:
     """Power spectral density of a profile.
 
     Args:
+        spectrum: its name with its class, as in a scenario.
         n: 1/m, wave numbers in cycles.
 
     Returns:
@@ -64,6 +65,8 @@ def profile_of(
     """Places and heights of a profile; the same heights at the same places, whatever part of it is asked for.
 
     Args:
+        spectrum: its name with its class.
+        seed: of the phases.
         wavelengths: m, the shortest and the longest.
         begin: m, where it is needed from.
         end: m, up to where.

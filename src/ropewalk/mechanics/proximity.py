@@ -30,6 +30,8 @@ def shares_links(
     a place of its own for that, a contact needs one as well.
 
     Args:
+        wheels: of all loads.
+        weightless: the loads that are forces.
         links: distance that counts as close on each line, m.
         lengths: of the lines, unstrained, m.
         until: how long the run is, s.

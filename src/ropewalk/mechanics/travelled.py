@@ -10,7 +10,9 @@ from ropewalk.mechanics.chain import Array
 class Travelled:
     """A speed that is linear between the entries of a table and constant outside, and its integral.
 
-    `time`: (entry,) s, rising; `speed`: (entry,) m/s.
+    Args:
+        time: (entry,) s, rising.
+        speed: (entry,) m/s.
     """
 
     def __init__(self, time: Array, speed: Array) -> None:

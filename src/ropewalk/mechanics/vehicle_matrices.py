@@ -32,6 +32,7 @@ class Body:
         """Return a body located between wheels, or beyond them, whatever their order.
 
         Args:
+            name: of the body.
             wheels: places of the wheels by their numbers, m ahead of the middle of the load.
             at: place of the body, m ahead of the same.
             coordinates: (axis,) numbers of its coordinates.

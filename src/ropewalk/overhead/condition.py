@@ -31,7 +31,12 @@ def in_condition(
     Args:
         plan: of the fitted line; its ties begin with the droppers, its masses end with those below and above them.
         element: length of links, m.
+        droppers: their names, `line.span.number`.
+        condition: as declared.
         anchored: whether the ends of contact wire and messenger stand still.
+
+    Raises:
+        EquilibriumError: there are no tensions with which the wires hang between their ends.
     """
     gone = {f"{span}.{number}" for span, number in condition.missing_droppers}
     kept = [i for i, name in enumerate(droppers) if ".".join(name.rsplit(".", 2)[1:]) not in gone]
@@ -47,7 +52,12 @@ def in_condition(
 
 
 def worn(wire: Wire, wear: float) -> Wire:
-    """A wire that has lost a part of its cross-section along a flat."""
+    """A wire that has lost a part of its cross-section along a flat.
+
+    Args:
+        wire: as new.
+        wear: lost part of the cross-section.
+    """
     left = 1.0 - wear
     return replace(
         wire, mass=wire.mass * left, axial_stiffness=wire.axial_stiffness * left,
@@ -61,7 +71,8 @@ def flat_bending(wear: float) -> float:
     With t, half of the angle of the segment, of radius 1: segment area t - sin t cos t, first moment 2/3 sin^3 t,
     second moment (t - sin t cos t + 2 sin^3 t cos t) / 4, both about the centre.
 
-    `wear`: area of the segment over that of the circle.
+    Args:
+        wear: area of the segment over that of the circle.
     """
     if wear <= 0.0:
         return 1.0

@@ -94,7 +94,11 @@ class Form:
 
 
 def form_by_heights(task: FormFindingTask) -> Form:
-    """Find the lengths of droppers with which the contact wire has the wanted heights."""
+    """Find the lengths of droppers with which the contact wire has the wanted heights.
+
+    Raises:
+        EquilibriumError: a dropper would have to push, or to be shorter than nothing.
+    """
     dropper, hangers = task.dropper, task.hangers
     contact = [i for i, (spot, _) in enumerate(task.levels) if spot.wire == 0]
     above = [i for i, (spot, _) in enumerate(task.levels) if spot.wire != 0]
@@ -130,7 +134,11 @@ def form_by_heights(task: FormFindingTask) -> Form:
 
 
 def form_by_lengths(task: FormFindingTask, lengths: Array) -> Form:
-    """Find how the line rests with droppers of given unstrained lengths, its levels held; droppers may be slack."""
+    """Find how the line rests with droppers of given unstrained lengths, its levels held; droppers may be slack.
+
+    Raises:
+        EquilibriumError: there is no rest.
+    """
     masses, droppers, ends = _lumps(task, lengths), _droppers(task, lengths), [link.low for link in task.links]
     links: tuple[WireTie, ...] = ()
     turned = np.zeros(0)

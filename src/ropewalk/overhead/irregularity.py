@@ -34,7 +34,8 @@ class _Samples(NamedTuple):
 def check_samples(scenario: Scenario) -> list[str]:
     """Read all irregularities and profiles of a scenario; return warnings about unlikely heights.
 
-    Raises ScenarioError: a file cannot be read, or none of its samples lies on its line.
+    Raises:
+        ScenarioError: a file cannot be read, or none of its samples lies on its line.
     """
     warnings = list[str]()
     for given in _files(scenario):
@@ -109,6 +110,13 @@ def read_irregularity(file: Path, key: str = "irregularity") -> Irregularity:
     """Read a file of rows `x, z` in m.
 
     Commas, semicolons or blanks divide them; a first row of words is skipped, and so is what follows a #.
+
+    Args:
+        file: its name.
+        key: where it is named, for errors.
+
+    Raises:
+        ScenarioError: it cannot be read, or rows are not as they should be; every problem with its line.
     """
     try:
         text = file.read_text(encoding="utf-8-sig")

@@ -25,7 +25,10 @@ _POINTS = 400  # of each span
 def aside_of(line: OverheadLine, span: int, x: Array) -> Array:
     """Distance of the contact wire from the middle of the track, positive to the left, m.
 
-    `span`: counted from 0; `x`: m, from the start of the span.
+    Args:
+        line: with a stagger, or without one.
+        span: counted from 0.
+        x: m, from the start of the span.
     """
     length = line.span_lengths[span]
     b1, b2 = (line.staggers or (0.0,) * (len(line.span_lengths) + 1))[span : span + 2]
@@ -33,7 +36,12 @@ def aside_of(line: OverheadLine, span: int, x: Array) -> Array:
 
 
 def across(line: OverheadLine, station: Array) -> Array:
-    """The same at stations in m of the line. `station`: m, within its ends."""
+    """The same at stations in m of the line.
+
+    Args:
+        line: with a stagger, or without one.
+        station: m, within its ends.
+    """
     supports = np.array(stations_of(line))
     span = np.clip(np.searchsorted(supports, station, side="right") - 1, 0, supports.size - 2)
     out = np.empty_like(station)

@@ -77,7 +77,10 @@ class PantographForces:
 def moving_load_of(name: str, pantograph: Pantograph, wires: Mapping[int, Above] = _ITS_OWN) -> TravellingLoad:
     """A pantograph below contact wires: the strips of its head push each of them, and may lose contact.
 
-    `wires`: the contact wires by their numbers in the plan.
+    Args:
+        name: of the load.
+        pantograph: as declared.
+        wires: the contact wires by their numbers in the plan.
     """
     mass, damping, stiffness = matrices_of(pantograph)
     middle = row_of(pantograph)
@@ -96,8 +99,10 @@ def moving_load_of(name: str, pantograph: Pantograph, wires: Mapping[int, Above]
 def push_of(pantograph: Pantograph, level: float, lift: float = 0.0) -> PantographForces:
     """Forces on its masses.
 
-    `level`: height of the contact wire at the supports, m; `lift`: mean height of the contact over it in the run, m;
-    see `expected_lift`.
+    Args:
+        pantograph: as declared.
+        level: height of the contact wire at the supports, m.
+        lift: mean height of the contact over it in the run, m; see `expected_lift`.
     """
     touching = pantograph.contact_stiffness * len(pantograph.strips)
     give = sum(1.0 / k for k in (*pantograph.parts.stiffness[1:], touching))
@@ -115,6 +120,12 @@ def start_of(
     """First heights of all masses in m: the head just touches the wire, and no spring between masses is pressed.
 
     It stands level: the angles of its head are 0.
+
+    Args:
+        above: what is known of that wire.
+
+    Raises:
+        RopewalkError: it starts off the line.
     """
     station, length = pantograph.travel.start - above.ahead, mesh.plan.wires[wire].length
     if not 0.0 <= station <= length:
@@ -130,7 +141,10 @@ def start_of(
 def expected_lift(section: Section, force: float, points: int = 9) -> float:
     """Mean height of a contact with a given mean force over the ends of the contact wire, m, as if it moved slowly.
 
-    `force`: mean contact force, N; `points`: stations along the first analysed span at which the rise is found.
+    Args:
+        section: the line.
+        force: mean contact force, N.
+        points: stations along the first analysed span at which the rise is found.
     """
     first, last = section.analysed
     span = int(np.searchsorted(section.supports, first, side="right")) - 1

@@ -90,8 +90,13 @@ def plan_view_of(line: OverheadLine) -> PlanView:
     supports, stitch = np.array(stations_of(line)), line.stitch_wire
     half = 0.5 * np.array(line.curvatures) * np.array(line.span_lengths)
     return PlanView(
-        supports, np.zeros(supports.size) if line.staggers is None else np.array(line.staggers), half[:-1] + half[1:],
-        line.messenger_wire.tension, 0.0 if stitch is None else stitch.tension,
-        0.0 if stitch is None else 0.5 * stitch.length, line.element, line.messenger_supports.stagger == "straight",
+        supports,
+        np.zeros(supports.size) if line.staggers is None else np.array(line.staggers),
+        half[:-1] + half[1:],
+        line.messenger_wire.tension,
+        0.0 if stitch is None else stitch.tension,
+        0.0 if stitch is None else 0.5 * stitch.length,
+        line.element,
+        line.messenger_supports.stagger == "straight",
         line.start[1] if len(line.start) == 3 else 0.0,
-    )  # fmt: skip
+    )

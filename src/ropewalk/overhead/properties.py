@@ -56,7 +56,13 @@ class Elasticity:
 def elasticity_of(section: Section, force: float = 100.0, span: int | None = None) -> Elasticity:
     """Find the elasticity along a span, wires at constant tension, droppers slackening as they are relieved.
 
-    `force`: upwards on the contact wire, N; `span`: counted from 1 (default: the first analysed one).
+    Args:
+        section: the line at rest.
+        force: upwards on the contact wire, N.
+        span: counted from 1 (default: the first analysed one).
+
+    Raises:
+        EquilibriumError: the line has no rest, or no such span.
     """
     count = section.supports.size - 1
     span = int(np.searchsorted(section.supports, section.analysed[0])) + 1 if span is None else span
@@ -79,7 +85,12 @@ def reflection(contact: Wire, messenger: Wire) -> float:
 
 
 def doppler_factor(contact: Wire, speed: float) -> float:
-    """Doppler factor of a pantograph; negative if it is faster than the waves. `speed`: m/s."""
+    """Doppler factor of a pantograph; negative if it is faster than the waves.
+
+    Args:
+        contact: the contact wire.
+        speed: m/s.
+    """
     c = wave_speed(contact)
     return (c - abs(speed)) / (c + abs(speed))
 
@@ -90,6 +101,7 @@ def properties(
     """Give what is known of every overhead line of a scenario, by name, in SI units, as plain values for JSON.
 
     Args:
+        scenario: with overhead lines.
         force: of the elasticity, N.
         span: along which it is found, counted from 1 (default: the first analysed one).
         load: of the wind on the contact wire, level and across it, N/m; 0: none.

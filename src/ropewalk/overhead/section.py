@@ -89,7 +89,11 @@ class Section:
 
 
 def section_of(name: str, line: OverheadLine, gravity: float = 9.81) -> Section:
-    """Find the rest of an overhead line as declared, its droppers' lengths or, where these are given, its heights."""
+    """Find the rest of an overhead line as declared, its droppers' lengths or, where these are given, its heights.
+
+    Raises:
+        EquilibriumError: it cannot rest as wanted, or not with the given lengths.
+    """
     supports, view = np.array(stations_of(line)), plan_view_of(line)
     task = _task(name, line, gravity, supports, view)
     given = line.dropper_lengths
@@ -137,6 +141,7 @@ def elasticity(
     """Static rise of the contact wire per force, droppers slackening as they are relieved.
 
     Args:
+        section: the line at rest.
         force: upwards on the contact wire, N.
         span: counted from 1 (default: the middle one), of which 25 stations are taken.
         stations: where instead, m.
@@ -288,11 +293,14 @@ def _finished(
     hangers = task.hangers
     return Section(
         name, plan, line.element, supports, (float(supports[first - 1]), float(supports[last])), view,
-        droppers={hanger.name: i for i, hanger in enumerate(hangers)}, lengths=form.lengths,
-        stations=np.array([hanger.low.station for hanger in hangers]), pull=form.pull,
+        droppers={hanger.name: i for i, hanger in enumerate(hangers)},
+        lengths=form.lengths,
+        stations=np.array([hanger.low.station for hanger in hangers]),
+        pull=form.pull,
         slack=tuple(hanger.name for hanger, pull in zip(hangers, form.pull, strict=True) if pull <= 0.0),
         arms={arm.name: len(form.ties) + i for i, arm in enumerate(arms)},
-        holds={hold.name: len(task.plan.holds) + i for i, hold in enumerate(own)}, registered=np.array(line.registered),
+        holds={hold.name: len(task.plan.holds) + i for i, hold in enumerate(own)},
+        registered=np.array(line.registered),
     )  # fmt: skip
 
 
@@ -333,7 +341,9 @@ def _arm(label: str, line: OverheadLine, spot: Spot, at: _Pair, force: _Pair, yi
     yields sideways like a string, T / left span + T / right span. In a plan without sideways motion that is in series
     with the arm, or else an inclined arm would prop the wire: the tie is that soft spring, under the same tension.
 
-    `at`: x and height of the wire there, m; `yields`: m/N, of the wire sideways, and beside its spline.
+    Args:
+        at: x and height of the wire there, m.
+        yields: m/N, of the wire sideways, and beside its spline.
     """
     (aside, up), arms, (x, z) = force, line.steady_arms, at
     pull, owner = float(np.hypot(aside, up)), label.split(".")[0]

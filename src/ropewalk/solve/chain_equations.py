@@ -54,7 +54,16 @@ class _ChainPoints:
 
 
 def equations_of(scenario: Scenario, setting: PreparedRun, state: ChainState, bodies: Bodies | None) -> Equations:
-    """Equations of motion about a state. `bodies`: all that has a mass; None: nothing has."""
+    """Equations of motion about a state.
+
+    Args:
+        scenario: what is there.
+        setting, state: the model as it is.
+        bodies: all that has a mass; None: nothing has.
+
+    Raises:
+        RopewalkError: a load has no equations of motion.
+    """
     space = None if bodies is None else _in_space(scenario, setting, bodies)
     X, r, points = _points(setting, state, bodies, space)
     count = r.shape[1]

@@ -59,16 +59,25 @@ class Choice:
 
 
 def bounds(
-    strands: Strands, r: Array, X: Array, with_moving_loads: bool, supports: Supports | None = None,
-    loads: Loads | None = None, bodies: Bodies | None = None, extremes: Array | None = None,
-) -> Bounds:  # fmt: skip
+    strands: Strands,
+    r: Array,
+    X: Array,
+    with_moving_loads: bool,
+    supports: Supports | None = None,
+    loads: Loads | None = None,
+    bodies: Bodies | None = None,
+    extremes: Array | None = None,
+) -> Bounds:
     """Upper bounds of the largest frequency and damping rate of the chain in its present state.
 
     On a uniform chain they are sharp: omega = (2/h) sqrt(k/rho), with the larger of T' and T/lam for k, and
     4 c / (rho h^2) for the damping. An end that yields carries half a link: without a spring nothing changes, a spring
     k on the mass m adds k/m to omega^2 at most. Its damper does not matter (ends.py).
 
-    `with_moving_loads`: whether nodes ride with loads.
+    Args:
+        strands, r, X, supports, loads, bodies: see mechanics/chain.py and bodies.py.
+        with_moving_loads: whether nodes ride with loads.
+        extremes: what `strained` gives, if it is known.
     """
     extremes = strained(strands.first, strands.links, strands.law, r, X) if extremes is None else extremes
     yields = supports is not None and bool(supports.free.any())
@@ -142,7 +151,12 @@ def _spring_frequency(strands: Strands, supports: Supports) -> float:
 
 
 def is_compressed(strands: Strands, r: Array, X: Array, extremes: Array | None = None) -> bool:
-    """Whether some link pushes: across it the chain is unstable then, and disturbances grow."""
+    """Whether some link pushes: across it the chain is unstable then, and disturbances grow.
+
+    Args:
+        strands, r, X: see mechanics/chain.py.
+        extremes: what `strained` gives, if it is known.
+    """
     extremes = strained(strands.first, strands.links, strands.law, r, X) if extremes is None else extremes
     return any(least < -PUSHES * tangent(p, 0.0) for least, p in zip(extremes[:, TENSION], strands.law, strict=True))
 
@@ -164,12 +178,22 @@ def rkn6_step(limits: Bounds, relative_accuracy: float) -> float:
 
 
 def choose(
-    strands: Strands, loads: Loads, state: ChainState, *, method: str, step: float | None, accuracy: float | None,
-    duration: float, supports: Supports | None = None, bodies: Bodies | None = None, guided: bool = False,
-) -> Choice:  # fmt: skip
+    strands: Strands,
+    loads: Loads,
+    state: ChainState,
+    *,
+    method: str,
+    step: float | None,
+    accuracy: float | None,
+    duration: float,
+    supports: Supports | None = None,
+    bodies: Bodies | None = None,
+    guided: bool = False,
+) -> Choice:
     """Choose method and step for a motion.
 
     Args:
+        strands, loads, state: the model at the start.
         method: auto, explicit, verlet, rkn6 or implicit.
         step: largest step wanted by the user, s, or None.
         accuracy: wanted accuracy in time of the positions, m; None: the usual one, which Verlet's stable step keeps.

@@ -38,8 +38,12 @@ class _StrandPoints:
 def settle_together(setting: PreparedRun, state: ChainState, bodies: Bodies | None) -> None:
     """Move lines, wheels and vehicles to where they rest together; `state` and `bodies` are changed.
 
-    `setting`, `state`: the model and its state, all loads at their nodes; `bodies`: on board already; None: there are
-    none.
+    Args:
+        setting, state: the model and its state, all loads at their nodes.
+        bodies: on board already; None: there are none.
+
+    Raises:
+        EquilibriumError: there is no such state, or none was found.
     """
     dim, count = len(setting.axes), state.xi.size
     lines = [_points(setting, state, bodies, s) for s in range(len(setting.lines))]

@@ -126,7 +126,8 @@ def counts(parting: Array, energy: Array) -> NDArray[np.bool_]:
 def on_parting(setting: PreparedRun, parting: Array, energy: float, made: set[int]) -> list[str]:
     """The wheels that have torn at a support when they left their line, each of them once; `energy` in J counts.
 
-    `parting`: (wheel,) J, lost by the line when each left it.
+    Args:
+        parting: (wheel,) J, lost by the line when each left it.
     """
     found = []
     for k, lost in enumerate(parting):

@@ -43,7 +43,8 @@ class EndConditions:
     def compliance(self, scale: float) -> tuple[Array, Array]:
         """Compliances (2, axis, axis) in m/N, and projections (2, axis, axis) onto directions held by nothing.
 
-        `scale`: stiffness of the line, N/m, of which a part is lent to directions held by nothing.
+        Args:
+            scale: stiffness of the line, N/m, of which a part is lent to directions held by nothing.
         """
         soft, loose = np.zeros_like(self.stiffness), np.zeros_like(self.stiffness)
         for end in range(2):

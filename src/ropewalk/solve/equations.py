@@ -77,6 +77,9 @@ class Equations:
         """The same with unknowns that have no mass expressed by the others, as they are in balance.
 
         What dampers do to them counts to the first order.
+
+        Raises:
+            RopewalkError: nothing has a mass.
         """
         M = sparse.csr_matrix(self.mass)
         heavy = M.diagonal() > 0.0
@@ -113,6 +116,7 @@ def sprung(
     """A body whose contacts are joined to it by springs and dampers, or rigidly.
 
     Args:
+        mass, damping, stiffness: of its coordinates q.
         row: (contact, coordinate), the contact of the body is at row q.
         contacts: compliance in m/N and damping in N s/m between the body and the structure, (contact,); what hardly
             yields is rigid.

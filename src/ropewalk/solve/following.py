@@ -44,12 +44,17 @@ class Reached(Generic[S]):
 
 
 def follow(
-    here: P, step: Callable[[P, P | None, float], P], is_fine: Callable[[P | None, P, P], bool], regular: Array, *,
+    here: P,
+    step: Callable[[P, P | None, float], P],
+    is_fine: Callable[[P | None, P, P], bool],
+    regular: Array,
+    *,
     between: bool,
-) -> Iterator[P]:  # fmt: skip
+) -> Iterator[P]:
     """Yield equilibria at regular positions, after the first one.
 
     Args:
+        here: the first equilibrium.
         step: finds the equilibrium at a position in m from the last one and, if there is one, that before.
         is_fine: whether an equilibrium is near enough to the last one, and that before.
         regular: (position,) m, rising, the first that of `here`.
@@ -84,16 +89,24 @@ def follow(
 
 
 def quasistatic_motion(
-    rest: Callable[[float, S | None], S], contacts: Callable[[S], Array], times: Array, paths: Array, positions: int,
+    rest: Callable[[float, S | None], S],
+    contacts: Callable[[S], Array],
+    times: Array,
+    paths: Array,
+    positions: int,
     turn: float | None,
-) -> Iterator[Reached[S]]:  # fmt: skip
+) -> Iterator[Reached[S]]:
     """Yield equilibria at equal steps of the load path.
 
     Args:
         rest: finds the equilibrium at a time in s, next to another one.
         contacts: where loads touch in an equilibrium, (load, axis) m; NaN of those that do not.
         times, paths: as from `schedule`, s and m.
+        positions: how many, both ends included.
         turn: angle in rad, by which no load's path turns from one to the next, with those in between; or None.
+
+    Raises:
+        EquilibriumError: there is none at some position; the last one that can be reached has been yielded.
     """
 
     def step(here: Reached[S], before: Reached[S] | None, path: float) -> Reached[S]:
@@ -155,7 +168,9 @@ class Mover(NamedTuple):
     def _arrives(self, bound: float, then: float, after: float) -> float:
         """Return the time at which a displacement is reached that rounding does not pass, s.
 
-        `bound`: the displacement, m; `then`, `after`: displacements when the speed has settled and a second later, m.
+        Args:
+            bound: the displacement, m.
+            then, after: displacements when the speed has settled and a second later, m.
         """
         late = self.settled + max((bound - then) / (after - then), 0.0) if after != then else self.settled
         for _ in range(_ROUNDINGS if np.isfinite(late) else 0):
@@ -171,6 +186,9 @@ def schedule(movers: Sequence[Mover]) -> tuple[Array, Array]:
 
     The load path is the distance covered by the load that is fastest at each time, among those not at their end yet:
     it does not depend on the order of the loads. A load that must not leave its line ends the path there.
+
+    Raises:
+        EquilibriumError: no load moves.
     """
     ends = [mover.end() for mover in movers]
     refused = [end for mover, end in zip(movers, ends, strict=True) if mover.refuses and end and mover.is_at_end(end)]

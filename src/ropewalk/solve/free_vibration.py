@@ -32,7 +32,12 @@ def free_vibration(equations: Equations, how_many: int | None = None) -> Spectru
     Frequencies and shapes are the undamped ones. Ratios are those of the damped modes, -Re lambda / |lambda|, or where
     these do not oscillate x^T C x / (2 w) with x^T M x = 1, right to the first order.
 
-    Raises RopewalkError: nothing moves that has a mass.
+    Args:
+        equations: of motion.
+        how_many: of the lowest modes.
+
+    Raises:
+        RopewalkError: nothing moves that has a mass.
     """
     equations = equations.without_massless()
     K, M, C = equations.stiffness, equations.mass, equations.damping
@@ -73,7 +78,10 @@ def free_vibration(equations: Equations, how_many: int | None = None) -> Spectru
 def lowest(K: Any, M: Any, how_many: int) -> tuple[Array, Array]:
     """Lowest natural angular frequencies in rad/s, ascending, and their shapes; as `modes`, with any mass matrix.
 
-    `K`: (unknown, unknown) N/m, symmetric, sparse; `M`: (unknown, unknown) kg, positive definite, sparse.
+    Args:
+        K: (unknown, unknown) N/m, symmetric, sparse.
+        M: (unknown, unknown) kg, positive definite, sparse.
+        how_many: modes wanted.
     """
     M = sparse.csc_matrix(M)
     diagonal = M.diagonal()

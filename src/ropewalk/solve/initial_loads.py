@@ -25,9 +25,13 @@ def place_loads(setting: PreparedRun, state: ChainState, with_loads: bool = Fals
 
     Args:
         setting, state: the model and its state, every load in the location of a force; the state is changed.
+        with_loads: let lines and loads rest together.
 
     Returns:
         The bodies, None if there are none.
+
+    Raises:
+        RopewalkError: a wheel on a contact stiffness has no mass, or there is no rest.
     """
     if setting.multibody_system is None:
         if with_loads:

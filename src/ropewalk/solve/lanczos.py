@@ -16,7 +16,13 @@ def eigenpairs(matrix: Any, how_many: int, **options: Any) -> Any:
 
     A second attempt takes more vectors, which many alike eigenvalues need.
 
-    `matrix`: (n, n), sparse or an operator.
+    Args:
+        matrix: (n, n), sparse or an operator.
+        how_many: of them.
+        options: of `scipy.sparse.linalg.eigsh`.
+
+    Raises:
+        RopewalkError: neither attempt converges.
     """
     try:
         return eigsh(matrix, k=how_many, **options)

@@ -51,7 +51,13 @@ def horizon(scenario: Scenario) -> float:
 
 
 def movers_of(setting: PreparedRun, measures: list[Measure], begin: Array) -> list[Mover]:
-    """Return the prescribed travel of every load, as measured. `begin`: (load,) m, the measures at the beginning."""
+    """Return the prescribed travel of every load, as measured.
+
+    Args:
+        setting: the loads.
+        measures: of each load.
+        begin: (load,) m, the measures at the beginning.
+    """
     loads, movers = setting.loads, []
     for k, measure in enumerate(measures):
         table = slice(loads.speed_first[k], loads.speed_first[k] + loads.speed_count[k])

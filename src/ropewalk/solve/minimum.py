@@ -80,7 +80,8 @@ class Potential(Protocol):
     def arrived(self, r: Array) -> tuple[Array, bool]:
         """The shape, and whether the structure is another one there: lines may have passed sheaves.
 
-        Raises EquilibriumError: the structure ends there.
+        Raises:
+            EquilibriumError: the structure ends there.
         """
 
     def approaches(self, start: Array, way: Way) -> Iterator[Array]:
@@ -95,6 +96,7 @@ def settle(potential: Potential, start: Array, way: Way = "auto") -> Array:
     and off saddles, if none does.
 
     Args:
+        potential: of the structure.
         start: a shape, m.
         way: of solving, see `solve/symmetric.py`.
 
@@ -134,7 +136,8 @@ def cause(potential: Potential, r: Array) -> str:
 def _among(rests: Rests, potential: Potential, start: Array, way: Way) -> Array:
     """The same as one of the equilibria of a run, or beside them; unknowns are the way from the start.
 
-    Raises NotBesideError: see `Rests.settle`.
+    Raises:
+        NotBesideError: see `Rests.settle`.
     """
 
     def found() -> Array:
@@ -183,7 +186,8 @@ def _minimum(potential: Potential, start: Array, way: Way) -> Array | None:
 def nearest(potential: Potential, start: Array, way: Way = "auto") -> Array:
     """The same as `settle` from a shape that is close by: by few steps of Newton's method, or not at all.
 
-    Raises EquilibriumError: it is not close by.
+    Raises:
+        EquilibriumError: it is not close by.
     """
     if present() is not None or potential.out_of_balance(start).size == 0:
         return settle(potential, start, way)
@@ -197,6 +201,7 @@ def newton(potential: Potential, start: Array, way: Way = "auto", steps: int = 0
     """Where Newton's method in full steps ends, cut where they are long, and whether the stiffness is definite there.
 
     Args:
+        potential: of the structure.
         start: a shape, m.
         way: of solving, see `solve/symmetric.py`.
         steps: at most; 0: as many as it takes.
@@ -324,7 +329,11 @@ def _downhill(potential: Potential, start: Array, way: Way) -> Array:
 
 
 def _off_saddle(potential: Potential, r: Array) -> Array:
-    """A shape of less energy than a saddle, along its most negative curvature."""
+    """A shape of less energy than a saddle, along its most negative curvature.
+
+    Raises:
+        EquilibriumError: there is none nearby.
+    """
     K, unknowns = potential.stability(r)
     energy, step = potential.energy(r), np.zeros(potential.out_of_balance(r).size)
     curved = modes(K, np.ones(K.shape[0]), 1)[1][:, 0]

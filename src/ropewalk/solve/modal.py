@@ -156,7 +156,9 @@ class ModalBasis:
 def alone(w: Array, damping: Array) -> tuple[Complex, Integers, Complex]:
     """Modes that do not know of each other: their rates, 1/s, which undamped modes they are, and how these are driven.
 
-    `w`: (undamped,) natural frequencies, rad/s; `damping`: (undamped,) force over momentum, 1/s.
+    Args:
+        w: (undamped,) natural frequencies, rad/s.
+        damping: (undamped,) force over momentum, 1/s.
     """
     d = 0.5 * damping
     d = np.where(np.abs(d - w) < _APART * w, (1.0 + _APART) * w, d)
@@ -170,7 +172,11 @@ def alone(w: Array, damping: Array) -> tuple[Complex, Integers, Complex]:
 
 @one_thread()
 def _coupled(w: Array, D: Array, S: Array) -> tuple[Complex, Complex, Complex]:
-    """Modes of the first-order equations, (w q)' = w q', q'' = -w (w q) - S q - D q' + f."""
+    """Modes of the first-order equations, (w q)' = w q', q'' = -w (w q) - S q - D q' + f.
+
+    Raises:
+        RopewalkError: they are not independent.
+    """
     n = w.size
     A = np.block([[np.zeros((n, n)), np.diag(w)], [-np.diag(w) - S / w, -D]])
     values, vectors = linalg.eig(A)
@@ -192,7 +198,9 @@ def _coupled(w: Array, D: Array, S: Array) -> tuple[Complex, Complex, Complex]:
 class ModalStep:
     """Steps of one length: how all modes go on, forces being polynomials through their values at the stages.
 
-    `rate`: (mode,) 1/s; `h`: s.
+    Args:
+        rate: (mode,) 1/s.
+        h: s.
     """
 
     def __init__(self, rate: Complex, h: float) -> None:

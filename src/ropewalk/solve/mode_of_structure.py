@@ -26,6 +26,9 @@ def mode_of(K: Any, M: Any, moves: Any, number: int, direction: Array, on: NDArr
         number: of the mode, from 1, among those that move in the direction rather than across it.
         direction: (3,).
         on: (node,) count those modes only that move these nodes at least half as far as any.
+
+    Raises:
+        EquilibriumError: there are not so many.
     """
     count, along = K.shape[0], direction / np.linalg.norm(direction)
     wanted = min(count, _MOST * number + _FIRST)

@@ -102,9 +102,12 @@ class ChainMotion:
 
     Args:
         strands, loads, state: the model; state is changed.
+        choice: method and largest step.
         accuracy: wanted accuracy in time, m (for the adaptive method).
+        progress: filled in.
         supports: what holds the ends; None: points that do not move.
         bodies: what has a mass of its own; changed with the state.
+        controllers: who decide on the way what loads do.
         contacts: what controllers put down and take up where nothing has a mass, and `bodies` is None.
 
     Raises:
@@ -112,10 +115,18 @@ class ChainMotion:
     """
 
     def __init__(
-        self, strands: Strands, loads: Loads, state: ChainState, choice: Choice, accuracy: float, progress: Progress,
-        supports: Supports | None = None, bodies: Bodies | None = None, controllers: Sequence[Controller] = (),
+        self,
+        strands: Strands,
+        loads: Loads,
+        state: ChainState,
+        choice: Choice,
+        accuracy: float,
+        progress: Progress,
+        supports: Supports | None = None,
+        bodies: Bodies | None = None,
+        controllers: Sequence[Controller] = (),
         contacts: Bodies | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.strands, self.loads, self.state, self.choice = strands, loads, state, choice
         self.accuracy, self.progress, self.supports, self.bodies = accuracy, progress, supports, bodies
         self.controllers, self._contacts = controllers, bodies if bodies is not None else contacts
@@ -280,9 +291,14 @@ class ChainMotion:
         return status, steps
 
     def _advance_by(
-        self, most: int, loads: Loads, state: ChainState, buffers: ChainBuffers | Workspace, bodies: Bodies | None,
+        self,
+        most: int,
+        loads: Loads,
+        state: ChainState,
+        buffers: ChainBuffers | Workspace,
+        bodies: Bodies | None,
         stop: float,
-    ) -> tuple[int, int]:  # fmt: skip
+    ) -> tuple[int, int]:
         """Go on to a time, but by no more than some steps."""
         if self.choice.method == "implicit":
             from ropewalk.solve.radau import advance_implicit
@@ -306,14 +322,22 @@ class ChainMotion:
 
 
 def move(
-    strands: Strands, loads: Loads, state: ChainState, choice: Choice, accuracy: float, times: Iterable[float] | Array,
-    progress: Progress, supports: Supports | None = None, bodies: Bodies | None = None,
+    strands: Strands,
+    loads: Loads,
+    state: ChainState,
+    choice: Choice,
+    accuracy: float,
+    times: Iterable[float] | Array,
+    progress: Progress,
+    supports: Supports | None = None,
+    bodies: Bodies | None = None,
     controllers: Sequence[Controller] = (),
-) -> Iterator[ChainState]:  # fmt: skip
+) -> Iterator[ChainState]:
     """Yield the state at each of the times; the same object every time, to be read before going on.
 
-    `strands`, `loads`, `state`, `choice`, `accuracy`, `progress`, `supports`, `bodies`, `controllers`: see `Motion`;
-    `times`: rising instants, s; the iteration ends early if the progress is no longer RUNNING.
+    Args:
+        strands, loads, state, choice, accuracy, progress, supports, bodies, controllers: see `Motion`.
+        times: rising instants, s; the iteration ends early if the progress is no longer RUNNING.
     """
     motion = ChainMotion(strands, loads, state, choice, accuracy, progress, supports, bodies, controllers)
     for time in times:

@@ -52,7 +52,11 @@ class Multibody:
 def multibody_of(loading: Loading, name: str, load: AnyLoad, axles: Array) -> Multibody:
     """Put together the vehicle of a load: of an oscillator the height alone, of the rest everything.
 
-    `axles`: (wheel,) m, distances of the wheels behind the foremost one.
+    Args:
+        axles: (wheel,) m, distances of the wheels behind the foremost one.
+
+    Raises:
+        RopewalkError: the coordinates are not held by springs, or have no mass, or are turned by gyroscopic forces.
     """
     assert loading.multibody_system is not None
     bodies, dim = loading.multibody_system.bodies, len(loading.axes)
@@ -99,7 +103,14 @@ def _vehicle_of(bodies: Bodies, wheels: Integers) -> int | None:
 
 
 def _matrices(bodies: Bodies, i: int, own: Integers, wheels: Integers, up: int) -> tuple[Array, Array, Array, Array]:
-    """Mass, damping and stiffness of coordinates and wheels, their weights; a soft contact is a wheel on a spring."""
+    """Mass, damping and stiffness of coordinates and wheels, and their weights; a soft contact is a wheel on a spring.
+
+    Args:
+        i: which vehicle.
+        own: its coordinates.
+        wheels: contacts, in the order of the rows.
+        up: the vertical axis.
+    """
     count, places, first = (int(bodies.vehicles[i][key]) for key in ("coordinates", "wheels", "first"))
     size = own.size + wheels.size
     M, C, K, weight = np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, size)), np.zeros(size)

@@ -51,8 +51,9 @@ def walk(setting: PreparedRun, positions: int, turn: float | None = None) -> Ite
     positions the step is refined where the next shape is not found at once, where the slip path needs it, and where a
     load's path turns by more than the angle `turn` (rad); with `turn` given, the places in between are yielded, too.
 
-    Raises EquilibriumError: a rest shape cannot be found, or the loads do not advance; the last place that can be
-    reached has been yielded.
+    Raises:
+        EquilibriumError: a rest shape cannot be found, or the loads do not advance; the last place that can be reached
+            has been yielded.
     """
     if setting.xi.size == 0:
         raise EquilibriumError("quasi-static runs need a load that travels")

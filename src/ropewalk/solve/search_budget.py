@@ -52,7 +52,8 @@ _PRESENT: ContextVar[_Effort | None] = ContextVar("search", default=None)
 def search(names: Sequence[str] = ()) -> Iterator[None]:
     """Count what is done within as one search, or as a part of the present one.
 
-    `names`: lines of the runs whose equilibrium is sought, for messages.
+    Args:
+        names: lines of the runs whose equilibrium is sought, for messages.
     """
     present = _PRESENT.get()
     if present is not None:
@@ -76,7 +77,11 @@ def names_of_runs() -> Sequence[str]:
 
 
 def spend(shape: Array) -> None:
-    """Count one factorisation, of the stiffness at a shape in m."""
+    """Count one factorisation, of the stiffness at a shape in m.
+
+    Raises:
+        SearchBudgetError: the budget of the search is used up.
+    """
     if (present := _PRESENT.get()) is None:
         return
     present.factorisations += 1

@@ -60,7 +60,8 @@ class Rests:
     def running(self, *, again: bool) -> Iterator[None]:
         """Let a run note its equilibria, or one beside it put its own in their places.
 
-        Raises NotBesideError: there are fewer of them.
+        Raises:
+            NotBesideError: there are fewer of them.
         """
         self._next, self._again = 0, again
         token = _PRESENT.set(self)
@@ -77,6 +78,7 @@ class Rests:
         """The unknowns of an equilibrium.
 
         Args:
+            found: solves for them.
             residual: what is out of balance at any, the force towards rest or the miss of a gap.
             factorised: solves with the change of what is out of balance, with its sign turned, at the solution.
 
@@ -106,7 +108,15 @@ class Rests:
         return x
 
     def root(self, found: Callable[[], float], miss: Callable[[float], float]) -> float:
-        """A number found by equilibria for which some function of them is zero. Raises NotBesideError: see `settle`."""
+        """A number found by equilibria for which some function of them is zero.
+
+        Args:
+            found: searches for it.
+            miss: is zero there.
+
+        Raises:
+            NotBesideError: see `settle`.
+        """
         if not self._again:
             with not_noted():
                 x = found()
@@ -149,7 +159,11 @@ def present() -> Rests | None:
 
 
 def by_factors(K: scipy.sparse.csc_matrix) -> Solve:
-    """What solves with a sparse stiffness."""
+    """What solves with a sparse stiffness.
+
+    Raises:
+        NotBesideError: it is singular.
+    """
     from scipy.sparse.linalg import splu  # lazy: plain ropes have no sparse stiffness
 
     try:

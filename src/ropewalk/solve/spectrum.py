@@ -29,14 +29,20 @@ HOW_MANY = 6
 
 
 def spectrum(
-    strands: Strands, at: ChainState | tuple[Array, Array], *, how_many: int | None = None, names: Sequence[str] = (),
-) -> Spectrum:  # fmt: skip
+    strands: Strands,
+    at: ChainState | tuple[Array, Array],
+    *,
+    how_many: int | None = None,
+    names: Sequence[str] = (),
+) -> Spectrum:
     """Find the spectrum of all lines at an instant.
 
     Args:
+        strands: the lines.
         at: a state, or positions (axis, node) in m and material coordinates (node,) in m.
         how_many: eigenvalues of this many modes at each end, by iteration; by default all of a line with up to
             1500 unknowns, and 6 of a larger one.
+        names: names of the lines.
 
     Raises:
         RopewalkError: positions are not finite, or a link has no length.
@@ -93,16 +99,26 @@ def _of_line(line: Linearised, name: str, how_many: int | None, place: Array) ->
     first, last = found.frequency[:1], found.frequency[-1:]
     largest_ratio = float(found.ratio.max(initial=0.0))
     return Spectrum(
-        name=name, unknowns=2 * line.size, lowest_frequency=float(first.sum()), highest_frequency=float(last.sum()),
-        slowest_damping_ratio=float(found.ratio[:1].sum()), fastest_damping_ratio=float(found.ratio[-1:].sum()),
+        name=name,
+        unknowns=2 * line.size,
+        lowest_frequency=float(first.sum()),
+        highest_frequency=float(last.sum()),
+        slowest_damping_ratio=float(found.ratio[:1].sum()),
+        fastest_damping_ratio=float(found.ratio[-1:].sum()),
         largest_damping_ratio=largest_ratio,
         smallest_eigenvalue=float(sizes.min(initial=math.inf)) if sizes.size else 0.0,
-        largest_eigenvalue=float(sizes.max(initial=0.0)), imaginary=not line.is_damped and line.drag == 0.0,
-        real_branches=largest_ratio >= 1.0, unstable=line.below(-line.zero) if line.size else 0,
-        growth_rate=line.growth_rate(), neutral=found.neutral,
-        damping_rate=line.highest(of_damping=True) if line.is_damped else 0.0, eigenvalues=found.values,
-        complete=found.complete, method=found.method, modes=_lowest_modes(line, name, how_many, place),
-    )  # fmt: skip
+        largest_eigenvalue=float(sizes.max(initial=0.0)),
+        imaginary=not line.is_damped and line.drag == 0.0,
+        real_branches=largest_ratio >= 1.0,
+        unstable=line.below(-line.zero) if line.size else 0,
+        growth_rate=line.growth_rate(),
+        neutral=found.neutral,
+        damping_rate=line.highest(of_damping=True) if line.is_damped else 0.0,
+        eigenvalues=found.values,
+        complete=found.complete,
+        method=found.method,
+        modes=_lowest_modes(line, name, how_many, place),
+    )
 
 
 def _together(each: list[Spectrum]) -> Spectrum:
@@ -111,19 +127,27 @@ def _together(each: list[Spectrum]) -> Spectrum:
     fastest = max(moving, key=lambda line: line.highest_frequency)
     smallest = [line.smallest_eigenvalue for line in each if line.smallest_eigenvalue > 0.0]
     return Spectrum(
-        name="all lines", unknowns=sum(line.unknowns for line in each), lowest_frequency=slowest.lowest_frequency,
-        highest_frequency=fastest.highest_frequency, slowest_damping_ratio=slowest.slowest_damping_ratio,
+        name="all lines",
+        unknowns=sum(line.unknowns for line in each),
+        lowest_frequency=slowest.lowest_frequency,
+        highest_frequency=fastest.highest_frequency,
+        slowest_damping_ratio=slowest.slowest_damping_ratio,
         fastest_damping_ratio=fastest.fastest_damping_ratio,
         largest_damping_ratio=max(line.largest_damping_ratio for line in each),
         smallest_eigenvalue=min(smallest, default=0.0),
         largest_eigenvalue=max(line.largest_eigenvalue for line in each),
-        imaginary=all(line.imaginary for line in each), real_branches=any(line.real_branches for line in each),
-        unstable=sum(line.unstable for line in each), growth_rate=max(line.growth_rate for line in each),
-        neutral=sum(line.neutral for line in each), damping_rate=max(line.damping_rate for line in each),
+        imaginary=all(line.imaginary for line in each),
+        real_branches=any(line.real_branches for line in each),
+        unstable=sum(line.unstable for line in each),
+        growth_rate=max(line.growth_rate for line in each),
+        neutral=sum(line.neutral for line in each),
+        damping_rate=max(line.damping_rate for line in each),
         eigenvalues=by_size(np.concatenate([line.eigenvalues for line in each])),
-        complete=all(line.complete for line in each), method="; ".join(dict.fromkeys(line.method for line in each)),
-        lines=tuple(each), modes=_all_modes([line.modes for line in each if line.modes is not None]),
-    )  # fmt: skip
+        complete=all(line.complete for line in each),
+        method="; ".join(dict.fromkeys(line.method for line in each)),
+        lines=tuple(each),
+        modes=_all_modes([line.modes for line in each if line.modes is not None]),
+    )
 
 
 def _all_modes(parts: list[Modes]) -> Modes | None:

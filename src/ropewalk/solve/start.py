@@ -94,6 +94,7 @@ def setting_of(scenario: Scenario, until: float) -> PreparedRun:
     """Make a scenario ready: lengths found where tensions are given, strands at rest, loads placed.
 
     Args:
+        scenario: what is there.
         until: how long the histories of the loads are needed, s.
 
     Raises:
@@ -184,7 +185,8 @@ def _place(
 ) -> float:
     """Material coordinate at which load k begins; the distance of the ends stands for the far one.
 
-    Raises EquilibriumError: it would begin beyond the end of its line.
+    Raises:
+        EquilibriumError: it would begin beyond the end of its line.
     """
     s, start, line = int(loads.strand[k]), wheel.start, scenario.lines[wheel.on]
     length = float(strands.links[s] * strands.h[s])
@@ -216,7 +218,11 @@ def _place(
 
 
 def _check_comes(wheel: ContactPoint, end: float, scenario: Scenario) -> None:
-    """Refuse a wheel that begins beyond the end of its line (m, as measured), unless it is of a train."""
+    """Refuse a wheel that begins beyond the end of its line (m, as measured), unless it is of a train.
+
+    Raises:
+        EquilibriumError: another load does.
+    """
     load = scenario.loads[wheel.load]
     if not isinstance(load, Axles | TrainSection):
         key = "travel.from" if hasattr(load, "travel") else "from"
@@ -228,7 +234,8 @@ def _check_comes(wheel: ContactPoint, end: float, scenario: Scenario) -> None:
 def onward(setting: PreparedRun, r: Array, s: int) -> Array:
     """Level direction (axis,) from the start of strand s to its end, a unit vector; zero if it only rises.
 
-    `r`: (axis, node) m.
+    Args:
+        r: (axis, node) m.
     """
     first = int(setting.strands.first[s])
     way: Array = r[:, first + int(setting.strands.links[s])] - r[:, first]
@@ -239,7 +246,10 @@ def onward(setting: PreparedRun, r: Array, s: int) -> Array:
 def start_state(setting: PreparedRun, with_loads: bool, resting: Array | None = None) -> ChainState:
     """The state of rest under gravity (and the loads at their start, if wanted), every load in the location of a force.
 
-    `resting`: (axis, wheel) N, what bodies at rest press on the line with.
+    Args:
+        setting: the model.
+        with_loads: let the loads rest on the line.
+        resting: (axis, wheel) N, what bodies at rest press on the line with.
     """
     strands, loads = setting.strands, setting.loads
     dim, nodes = len(setting.axes), int((strands.links + 1).sum())

@@ -142,7 +142,15 @@ class _Small(NamedTuple):
 
 
 class Superposition:
-    """Motion from where the modes begin. `gusts`: that push at all of the structure; None: there are none."""
+    """Motion from where the modes begin.
+
+    Args:
+        modes: of the structure.
+        course: of all contacts.
+        bodies: on them.
+        axes: how many.
+        gusts: that push at all of the structure; None: there are none.
+    """
 
     def __init__(
         self, modes: ModalBasis, course: ContactHistory, bodies: ModalBodies, axes: int, gusts: Gusts | None = None
@@ -180,6 +188,7 @@ class Superposition:
         """States at all instants of output, the first one included.
 
         Args:
+            stretches: of the whole time, one after the other.
             longest: s, of a step to begin with.
             start: places and velocities of bodies, m and m/s.
 

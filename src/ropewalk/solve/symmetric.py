@@ -127,7 +127,12 @@ class Solver:
     def factorise(self, K: Any) -> None:
         """Take a stiffness, of which only the structure must be known before.
 
-        `K`: symmetric matrix (unknown, unknown), sparse or dense; the band reads its lower triangle.
+        Args:
+            K: symmetric matrix (unknown, unknown), sparse or dense; the band reads its lower triangle.
+
+        Raises:
+            IndefiniteError: K is not positive definite, to round-off.
+            ValueError: K has another size, entries outside of the pattern, or such that are not finite.
         """
         self._factor = None
         K = _csr(K)
@@ -149,7 +154,8 @@ class Solver:
     def solve(self, b: ArrayLike) -> Array:
         """Return x of K x = b for the K factorised last; b and x are (unknown,) or (unknown, case).
 
-        Raises RopewalkError: there is no factor.
+        Raises:
+            RopewalkError: there is no factor.
         """
         if self._factor is None:
             raise RopewalkError("there is no factor to solve with; factorise a positive definite stiffness first")

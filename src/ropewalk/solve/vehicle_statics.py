@@ -22,8 +22,11 @@ PROBE = 1e-3
 def coordinates_at_rest(bodies: Bodies, v: int, places: Array, heights: Array) -> Array:
     """Coordinates of vehicle v at rest on its wheels.
 
-    `places`: (place,) m, of its wheels, in the order of its matrices; `heights`: (wheel,) m, of all wheels, for those
-    on a contact stiffness.
+    Args:
+        bodies: all of them.
+        v: which vehicle.
+        places: (place,) m, of its wheels, in the order of its matrices.
+        heights: (wheel,) m, of all wheels, for those on a contact stiffness.
     """
     n, first = int(bodies.vehicles[v]["coordinates"]), int(bodies.vehicles[v]["first"])
     size = n + places.size
@@ -37,7 +40,12 @@ def coordinates_at_rest(bodies: Bodies, v: int, places: Array, heights: Array) -
 
 
 def forces_of_vehicles(bodies: Bodies, place: Array) -> Array:
-    """Forces of all vehicles at rest on their wheels, (axis, wheel) N. `place`: (axis, wheel) m, of the wheels."""
+    """Forces of all vehicles at rest on their wheels, (axis, wheel) N.
+
+    Args:
+        bodies: all of them.
+        place: (axis, wheel) m, of the wheels.
+    """
     dim, force = place.shape[0], np.zeros_like(place)
     for v, vehicle in enumerate(bodies.vehicles):
         n, count, first = int(vehicle["coordinates"]), int(vehicle["wheels"]), int(vehicle["first"])

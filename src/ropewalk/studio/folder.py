@@ -20,10 +20,15 @@ class OutsideError(RopewalkError):
 
 
 class Folder:
-    """A folder, with the files of scenarios and results in it."""
+    """A folder, with the files of scenarios and results in it.
 
-    def __init__(self, path: Path) -> None:
-        self.path = path.resolve()
+    Args:
+        path: of the folder.
+        most: bytes that they may take; 0: no limit.
+    """
+
+    def __init__(self, path: Path, most: int = 0) -> None:
+        self.path, self._most = path.resolve(), most
 
     def file(self, name: str, kinds: tuple[str, ...]) -> Path:
         """A file in it by its name, which need not exist.
@@ -38,8 +43,8 @@ class Folder:
             raise OutsideError(f"{name}: must be a file of this folder that ends in {', '.join(kinds)}")
         return found
 
-    def bytes_left(self, most: int) -> int:
-        """Return how many bytes may still be written until scenarios and results here take so many.
+    def bytes_left(self) -> int:
+        """Return how many bytes may still be written, 0 where there is no limit.
 
         Raises:
             RopewalkError: none.
@@ -49,12 +54,11 @@ class Folder:
             if Path(entry.name).suffix.lower() in kinds:
                 with suppress(OSError):
                     used += entry.stat().st_size
-        if used >= most:
+        if used >= self._most > 0:
+            taken, most = (f"{number / 1e9:.3g} GB" for number in (used, self._most))
             remedy = "delete results, or start the studio with a larger limit"
-            raise RopewalkError(
-                f"scenarios and results in the folder take {used / 1e9:.3g} GB, at most {most / 1e9:.3g} GB: {remedy}"
-            )
-        return most - used
+            raise RopewalkError(f"scenarios and results in the folder take {taken}, at most {most}: {remedy}")
+        return max(self._most - used, 0)
 
     def files(self) -> dict[str, list[str]]:
         """Names of scenarios and results."""
@@ -79,17 +83,18 @@ class Folder:
         except (OSError, UnicodeError) as problem:
             raise RopewalkError(f"{name}: cannot be read ({getattr(problem, 'strerror', None) or problem})") from None
 
-    def save(self, name: str, text: str, stamp: str | None) -> dict[str, Any]:
+    def save(self, name: str, text: str, stamp: str) -> dict[str, Any]:
         """Write a scenario's text, whole or not at all.
 
         Raises:
             OutsideError: see `file`.
             RopewalkError: the file is not as it was read (another program has written it), or cannot be written.
         """
+        self.bytes_left()
         file = self.file(name, SCENARIOS)
         if len(text.encode()) > LARGEST_TEXT:
             raise RopewalkError("the text is larger than 1 MB")
-        if (is_now := _stamp(file)) != (stamp or ""):
+        if (is_now := _stamp(file)) != stamp:
             what = "exists already" if not stamp else "was changed on disk after opening" if is_now else "was deleted"
             raise RopewalkError(f"{name}: {what}; open it again, or save under another name")
         made = file.with_name(f".{file.name}.{os.getpid()}.new")
@@ -119,11 +124,10 @@ def _resolved(file: Path) -> Path:
 
 def _stamp(file: Path) -> str:
     """What changes when a file is written; empty if there is none."""
-    try:
+    with suppress(OSError):
         status = file.stat()
-    except OSError:
-        return ""
-    return f"{status.st_ino}-{status.st_mtime_ns}-{status.st_size}"
+        return f"{status.st_ino}-{status.st_mtime_ns}-{status.st_size}"
+    return ""
 
 
 def check_inside(tree: Any, folder: Path) -> None:
@@ -150,14 +154,10 @@ def check_inside(tree: Any, folder: Path) -> None:
 
 
 def _files(node: Any, key: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], str]]:
-    if isinstance(node, Mapping):
-        for name, entry in node.items():
-            if name in ("file", "irregularity") and isinstance(entry, str):
-                yield (*key, name), entry
-            elif name == "irregularity" and isinstance(entry, Mapping):  # a file for each line
-                yield from (((*key, name, str(line)), file) for line, file in entry.items() if isinstance(file, str))
-            else:
-                yield from _files(entry, (*key, str(name)))
-    elif isinstance(node, list | tuple):
-        for i, entry in enumerate(node):
-            yield from _files(entry, (*key, str(i)))
+    """Names of files in a tree, with their keys; `irregularity` is a file, or a file for each line."""
+    entries = node.items() if isinstance(node, Mapping) else enumerate(node) if isinstance(node, list | tuple) else ()
+    for name, entry in entries:
+        if not isinstance(entry, str):
+            yield from _files(entry, (*key, str(name)))
+        elif name in ("file", "irregularity") or key[-1:] == ("irregularity",):
+            yield (*key, str(name)), entry

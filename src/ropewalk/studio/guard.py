@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import secrets
-from collections.abc import Awaitable, Callable, MutableMapping
-from typing import Any
 
-Scope = MutableMapping[str, Any]
-Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
-Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
-App = Callable[[Scope, Receive, Send], Awaitable[None]]
+from starlette.datastructures import Headers
+from starlette.responses import PlainTextResponse
+from starlette.types import ASGIApp, Receive, Scope, Send
 
 HEADERS = {
     "Content-Security-Policy": "default-src 'self'; connect-src 'self' ws://127.0.0.1:* ws://localhost:*; "
@@ -21,8 +18,7 @@ HEADERS = {
     "Cross-Origin-Resource-Policy": "same-origin",
     "Cache-Control": "no-store",
 }
-
-
+"""Headers of every answer, which the server adds."""
 _NO_TOKEN = "open the address that `ropewalk studio` has printed: it ends in a token"
 
 
@@ -38,7 +34,7 @@ class Guard:
         port: on which it listens; 0: any.
     """
 
-    def __init__(self, app: App, token: str, port: int = 0) -> None:
+    def __init__(self, app: ASGIApp, token: str, port: int = 0) -> None:
         self._app, self._token, self.port = app, token, port
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -46,40 +42,16 @@ class Guard:
         if scope["type"] == "lifespan":
             await self._app(scope, receive, send)
             return
-        headers = {name.decode("latin-1").lower(): value.decode("latin-1") for name, value in scope["headers"]}
-        path = str(scope["path"])
-        first, _, rest = path.removeprefix("/").partition("/")
-        if not self._is_ours(headers, needs_origin=scope["type"] == "websocket"):
-            await _refuse(scope, receive, send, 403, "this page is served to this machine only")
+        first, _, rest = str(scope["path"]).removeprefix("/").partition("/")
+        if not self._is_ours(Headers(scope=scope), needs_origin=scope["type"] == "websocket"):
+            await PlainTextResponse("this page is served to this machine only", 403)(scope, receive, send)
         elif not secrets.compare_digest(first.encode(), self._token.encode()):
-            await _refuse(scope, receive, send, 403, _NO_TOKEN)
+            await PlainTextResponse(_NO_TOKEN, 403)(scope, receive, send)
         else:
-            inner = {**scope, "path": f"/{rest}", "raw_path": f"/{rest}".encode()}
-            await self._app(inner, receive, _with_headers(send))
+            await self._app({**scope, "path": f"/{rest}", "raw_path": f"/{rest}".encode()}, receive, send)
 
-    def _is_ours(self, headers: dict[str, str], *, needs_origin: bool) -> bool:
-        hosts = [f"127.0.0.1:{self.port}", f"localhost:{self.port}"]
+    def _is_ours(self, headers: Headers, *, needs_origin: bool) -> bool:
         host, origin = headers.get("host", ""), headers.get("origin")
-        if host not in hosts:
+        if host not in (f"127.0.0.1:{self.port}", f"localhost:{self.port}"):
             return False
         return not needs_origin if origin is None else origin == f"http://{host}"
-
-
-def _with_headers(send: Send) -> Send:
-    async def sent(message: MutableMapping[str, Any]) -> None:
-        if message["type"] == "http.response.start":
-            given = [(name.encode(), value.encode()) for name, value in HEADERS.items()]
-            message = {**message, "headers": [*message.get("headers", []), *given]}
-        await send(message)
-
-    return sent
-
-
-async def _refuse(scope: Scope, receive: Receive, send: Send, status: int, why: str) -> None:
-    if scope["type"] == "websocket":
-        await receive()
-        await send({"type": "websocket.close", "code": 1008, "reason": why[:120]})
-        return
-    headers = [(b"content-type", b"text/plain; charset=utf-8")]
-    await _with_headers(send)({"type": "http.response.start", "status": status, "headers": headers})
-    await send({"type": "http.response.body", "body": why.encode()})

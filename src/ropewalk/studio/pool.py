@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import asyncio
 import multiprocessing
+import pickle
 import threading
+from collections import deque
 from collections.abc import Awaitable, Callable
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import Any
 
 from ropewalk.errors import RopewalkError
 from ropewalk.studio.settings import Settings
-from ropewalk.studio.worker import main
+from ropewalk.studio.worker import Kind, main
 
 Message = str | bytes
 Forward = Callable[[Message], Awaitable[None]]
@@ -26,8 +30,14 @@ class WorkerEnded(RopewalkError):
     """A worker ended before it had answered."""
 
 
+@dataclass
+class _Question:
+    answer: asyncio.Future[Message]
+    forward: Forward | None
+
+
 class Process:
-    """A worker process, and the thread that reads from it."""
+    """A worker process, and the threads that write to it and read from it."""
 
     def __init__(self, settings: Settings) -> None:
         self._loop = asyncio.get_running_loop()
@@ -35,21 +45,14 @@ class Process:
         self._process = _CONTEXT.Process(target=main, args=(theirs, settings))  # no daemon: these begin no sweeps
         self._process.start()
         theirs.close()
-        self._number, self._sending = 0, threading.Lock()
-        self._ended, self._acknowledged = "", asyncio.Event()
-        self._waiting: dict[int, tuple[asyncio.Future[Message], Forward | None]] = {}
-        self._reader = threading.Thread(target=self._read, daemon=True)
-        self._reader.start()
+        self._ended, self._is_stopping = "", False
+        self._open, self._writer = deque[_Question](), ThreadPoolExecutor(1)  # sent one by one, answered in that order
+        threading.Thread(target=self._read, daemon=True).start()
 
     @property
     def is_alive(self) -> bool:
         """Whether it can be asked."""
         return not self._ended and self._process.is_alive()
-
-    @property
-    def is_idle(self) -> bool:
-        """Whether it has answered all."""
-        return not self._waiting
 
     async def ask(self, asked: dict[str, Any], forward: Forward | None = None, within: float | None = None) -> Message:
         """Ask, and wait for the answer.
@@ -62,45 +65,32 @@ class Process:
         Raises:
             WorkerEnded: it has ended, or did not answer in time.
         """
-        self._number += 1
-        number, future = self._number, self._loop.create_future()
-        self._waiting[number] = future, forward
+        question = _Question(self._loop.create_future(), forward)
+        self._put(asked)
+        self._open.append(question)  # before anything is awaited: a stop may follow at once
         try:
-            try:
-                await self._loop.run_in_executor(None, self._put, {**asked, "ticket": number})
-            except (ValueError, TypeError, RecursionError):  # it cannot be sent: there will be no answer
-                self._waiting.pop(number)
-                raise
-            return await asyncio.wait_for(asyncio.shield(future), within)
+            return await asyncio.wait_for(asyncio.shield(question.answer), within)
         except TimeoutError:
             self.kill("the computation took too long and was ended")
             raise WorkerEnded(f"no answer within {within:g} s; the computation was ended") from None
-        except OSError:
-            raise WorkerEnded("the computing process has ended") from None
-
-    def tell(self, do: str) -> None:
-        """Say something that has no answer."""
-        with suppress(OSError):
-            self._put({"id": 0, "ticket": 0, "do": do})
 
     async def stop(self, patience: float = PATIENCE) -> None:
         """Stop the computation; end the process if it does not acknowledge that within `patience`, s."""
-        if self.is_idle:
+        if self._ended or not self._open:
             return
-        self._acknowledged.clear()
-        self.tell("stop")
-        futures = [future for future, _ in self._waiting.values()]
-        _, late = await asyncio.wait(futures, timeout=patience)
-        if late and self._acknowledged.is_set():
+        self._is_stopping = False
+        self._put({"do": "stop"})
+        _, late = await asyncio.wait([question.answer for question in self._open], timeout=patience)
+        if late and self._is_stopping:
             _, late = await asyncio.wait(late, timeout=LONG_PATIENCE)
         if late:
             self.kill("stopped")
 
     async def abandon(self) -> None:
         """Stop what it does for a page that has gone."""
-        self._waiting = {number: (future, None) for number, (future, _) in self._waiting.items()}
+        for question in self._open:
+            question.forward = None
         await self.stop(LONG_PATIENCE)
-        self._waiting.clear()
 
     def kill(self, why: str = "the studio has ended") -> None:
         """End it at once; a result that it writes stays readable.
@@ -112,39 +102,32 @@ class Process:
         self._process.kill()
 
     def _put(self, asked: dict[str, Any]) -> None:
-        with self._sending:
-            self._pipe.send(asked)
+        if self._ended:
+            raise WorkerEnded(self._ended)
+        self._writer.submit(self._pipe.send_bytes, pickle.dumps(asked))
 
     def _read(self) -> None:
         with suppress(EOFError, OSError, RuntimeError):  # the last one: the loop has ended
-            while True:
-                number, last, message = self._pipe.recv()
-                forward = self._waiting.get(number, (None, None))[1]
-                if number < 0:
-                    self._loop.call_soon_threadsafe(self._acknowledged.set)
-                elif last:
-                    self._loop.call_soon_threadsafe(self._resolve, number, message)
-                elif forward is not None:
-                    with suppress(Exception):
-                        asyncio.run_coroutine_threadsafe(_forwarded(forward, message), self._loop).result()
+            while not self._ended:
+                asyncio.run_coroutine_threadsafe(self._take(*self._pipe.recv()), self._loop).result()
         with suppress(RuntimeError):
             self._loop.call_soon_threadsafe(self._fail)
 
-    def _resolve(self, number: int, message: Message) -> None:
-        future, _ = self._waiting.pop(number, (None, None))
-        if future is not None and not future.done():
-            future.set_result(message)
+    async def _take(self, kind: Kind, message: Message) -> None:
+        """Pass a message on to whoever asked the question that is answered now."""
+        self._is_stopping |= kind == "stopped"
+        if kind == "answer":
+            self._open.popleft().answer.set_result(message)
+        elif (forward := self._open[0].forward) is not None:
+            with suppress(Exception):
+                await forward(message)
 
     def _fail(self) -> None:
-        for future, _ in self._waiting.values():
-            if not future.done():
-                why = self._ended or "the computing process has ended, possibly for lack of memory"
-                future.set_exception(WorkerEnded(why))
-                future.exception()  # it may be that nobody waits any more
-
-
-async def _forwarded(forward: Forward, message: Message) -> None:
-    await forward(message)
+        self._ended = self._ended or "the computing process has ended, possibly for lack of memory"
+        while self._open:
+            answer = self._open.popleft().answer
+            answer.set_exception(WorkerEnded(self._ended))
+            answer.exception()  # it may be that nobody waits any more
 
 
 class Pool:
@@ -155,13 +138,14 @@ class Pool:
     """
 
     def __init__(self, settings: Settings) -> None:
-        self._settings, self._idle, self._leased = settings, list[Process](), list[Process]()
+        self.settings, self._leased = settings, list[Process]()
+        self._idle: Process | None = None
         self._checker: Process | None = None
         self._checking = asyncio.Lock()
 
     def start(self) -> None:
         """Begin with the one that the first page needs; a second one would take the same time from it."""
-        self._idle.append(Process(self._settings))
+        self._idle = Process(self.settings)
 
     async def check(self, asked: dict[str, Any], within: float) -> Message:
         """Let the worker of all pages answer.
@@ -171,7 +155,7 @@ class Pool:
         """
         async with self._checking:
             if self._checker is None or not self._checker.is_alive:
-                self._checker = Process(self._settings)
+                self._checker = Process(self.settings)
             return await self._checker.ask(asked, within=within)
 
     def lease(self) -> Process:
@@ -181,10 +165,11 @@ class Pool:
             RopewalkError: there are too many.
         """
         self._leased = [one for one in self._leased if one.is_alive]
-        self._idle = [one for one in self._idle if one.is_alive]
-        if not self._idle and len(self._leased) >= self._settings.most:
-            raise RopewalkError(f"{self._settings.most} pages are computing; close one of them")
-        found = self._idle.pop() if self._idle else Process(self._settings)
+        if len(self._leased) >= self.settings.most:
+            raise RopewalkError(f"{self.settings.most} pages are computing; close one of them")
+        found, self._idle = self._idle, None
+        if found is None or not found.is_alive:
+            found = Process(self.settings)
         self._leased.append(found)
         return found
 
@@ -193,8 +178,8 @@ class Pool:
         await process.abandon()
         if process in self._leased:
             self._leased.remove(process)
-        if process.is_alive and not self._idle:
-            self._idle.append(process)
+        if process.is_alive and self._idle is None:
+            self._idle = process
         else:
             process.kill()
 
@@ -210,4 +195,4 @@ class Pool:
             one.kill()
 
     def _everyone(self) -> list[Process]:
-        return [*self._leased, *self._idle, *([self._checker] if self._checker else [])]
+        return [one for one in (*self._leased, self._idle, self._checker) if one is not None]

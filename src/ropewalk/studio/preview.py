@@ -48,8 +48,7 @@ def preview(scenario: Scenario) -> xr.Dataset | None:
     )  # fmt: skip
     layout = Layout(
         axes=axes, node_line=tuple(names), node_xi=np.concatenate([*xi.values()]), link_line=tuple(links),
-        link_xi=np.zeros(len(links)), contact_load=tuple(name for name, _, _ in starts),
-        support=tuple(supports),
+        link_xi=np.zeros(len(links)), contact_load=tuple(name for name, _, _ in starts), support=tuple(supports),
     )  # fmt: skip
     still: dict[str, Array] = {
         "position": np.concatenate([*shapes.values()])[None, :, columns], "tension": np.zeros((1, len(links))),

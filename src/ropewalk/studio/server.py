@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import AsyncIterator, Coroutine
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -23,7 +23,7 @@ from ropewalk.studio.folder import Folder
 from ropewalk.studio.guard import Guard
 from ropewalk.studio.lesson import lessons
 from ropewalk.studio.pool import Message, Pool
-from ropewalk.studio.session import LONG, Session, Sessions
+from ropewalk.studio.session import LONG, Session
 from ropewalk.studio.settings import Settings
 from ropewalk.studio.share import PAGE
 from ropewalk.studio.templates import templates
@@ -47,18 +47,18 @@ class Studio:
 
     def __init__(self, settings: Settings, token: str) -> None:
         self.settings, self.token = settings, token
-        self.folder = Folder(settings.folder)
-        self.pages = 0  # that are open
-        self.pool = Pool(settings)
-        self.sessions = Sessions(self.pool, settings.seconds)
+        self.folder = Folder(settings.folder, settings.disk)
+        self.pool, self.sessions = Pool(settings), dict[str, Session]()
+        self._pages = asyncio.Semaphore(_MOST_PAGES)
 
     def app(self) -> Guard:
         """The application, behind its token."""
+        not_built = PlainTextResponse("the page of the studio is not built: make studio", 503)
         routes = [
             Route("/export", self._export), WebSocketRoute("/socket", self._socket),
             Mount("/", StaticFiles(directory=PAGE, html=True, check_dir=False)),
         ]  # fmt: skip
-        handlers = {RuntimeError: _not_built}
+        handlers = {RuntimeError: lambda *_: not_built}  # of the folder of the page, where there is none
         return Guard(Starlette(routes=routes, lifespan=self._lifespan, exception_handlers=handlers), self.token)
 
     @asynccontextmanager
@@ -86,38 +86,29 @@ class Studio:
             return PlainTextResponse(str(error), 500)
         if isinstance(found, str):
             answer = json.loads(found)
-            return PlainTextResponse(str(answer.get("error") or answer), 400)
+            return PlainTextResponse(answer.get("error") or answer["problems"][0]["message"], 400)
         stem = "".join(sign if sign.isalnum() or sign in "-_." else "_" for sign in Path(name).stem)
         file = f"{stem}{'.html' if kind in ('page', 'report') else f'.{kind}'}"
-        return Response(
-            found, media_type=_KINDS[kind], headers={"Content-Disposition": f'attachment; filename="{file}"'}
-        )
+        disposition = {"Content-Disposition": f'attachment; filename="{file}"'}
+        return Response(found, media_type=_KINDS[kind], headers=disposition)
 
     async def _socket(self, socket: WebSocket) -> None:
-        if self.pages >= _MOST_PAGES:
+        if self._pages.locked():
             await socket.close(1013, "too many pages are open")
             return
-        self.pages += 1
-        try:
+        async with self._pages:
             await socket.accept()
             await PageConnection(self, socket).serve()
-        finally:
-            self.pages -= 1
-
-
-def _not_built(_: Request, __: Exception) -> Response:
-    """Answer for the folder of the page where there is none."""
-    return PlainTextResponse("the page of the studio is not built: make studio", 503)
 
 
 class PageConnection:
-    """A page that is open: its WebSocket, and its session once it has said hello or computes."""
+    """A page that is open: its WebSocket and its session."""
 
     def __init__(self, studio: Studio, socket: WebSocket) -> None:
         self._studio, self._socket = studio, socket
-        self._name, self._session = "", None  # type: tuple[str, Session | None]
+        self._session = Session(studio.pool, studio.sessions)
         self._tasks = set[asyncio.Task[None]]()
-        self._sending, self._attaching = asyncio.Lock(), asyncio.Lock()
+        self._sending = asyncio.Lock()
 
     async def serve(self) -> None:
         """Answer until the page closes."""
@@ -127,33 +118,28 @@ class PageConnection:
         finally:  # whatever a page has sent, its worker is free again
             for task in self._tasks:
                 task.cancel()
-            if self._session is not None:
-                self._studio.sessions.detach(self._name, self._session)
+            self._session.leave()
 
     async def _listen(self) -> None:
         """Take questions until the page closes or sends what is none."""
         while True:
             try:
                 asked = json.loads(await self._socket.receive_text())
-                number, do = int(asked["id"]), str(asked["do"])
-                if abs(number) >= _LARGEST_NUMBER:
-                    raise ValueError("the request has no number")
-                asked["id"] = number
-            except (ValueError, KeyError, TypeError, OverflowError, RecursionError, MemoryError):
+                number, do = asked["id"], asked["do"]
+                if not (isinstance(number, int) and abs(number) < _LARGEST_NUMBER and isinstance(do, str)):
+                    raise ValueError("no number, or nothing to do")
+            except (ValueError, KeyError, TypeError, RecursionError, MemoryError):
                 await self._socket.close(1003, "not understood")
                 break
             if do == "stop":
-                if self._session is not None:
-                    self._session.stop()
+                self._session.stop()
             elif len(self._tasks) < 16:
-                self._begin(self._answer(number, do, asked))
+                task = asyncio.create_task(self._answer(number, do, asked))
+                self._tasks.add(task)
+                task.add_done_callback(self._tasks.discard)
+                await asyncio.sleep(0.0)  # it is begun: a stop that follows is of it
             else:
                 await self._send(json.dumps({"id": number, "error": "too many requests at once"}))
-
-    def _begin(self, what: Coroutine[Any, Any, None]) -> None:
-        task = asyncio.create_task(what)
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
 
     async def _send(self, message: Message) -> None:
         async with self._sending:
@@ -165,31 +151,23 @@ class PageConnection:
     async def _answer(self, number: int, do: str, asked: dict[str, Any]) -> None:
         try:
             found = await self._found(do, asked)
-        except RopewalkError as error:
-            found = json.dumps({"id": number, "error": str(error)})
         except Exception as error:  # whatever a malformed question leads to costs its answer, not the page
-            found = json.dumps({"id": number, "error": f"not understood: {type(error).__name__}: {error}"})
+            kind = "" if isinstance(error, RopewalkError) else f"not understood: {type(error).__name__}: "
+            found = json.dumps({"id": number, "error": f"{kind}{error}"})
         with suppress(WebSocketDisconnect, RuntimeError):
             await self._send(found)
 
     async def _found(self, do: str, asked: dict[str, Any]) -> Message:
         studio = self._studio
         if do in _COMPUTED:
-            return await (await self._attached("")).ask(asked, self._send)
+            return await self._session.ask(asked, self._send)
         if do == "check":
             return await studio.pool.check(asked, within=CHECK_SECONDS)
         found = await asyncio.to_thread(self._answered, do, asked)
         if do == "hello":
-            session = await self._attached(str(asked.get("page", "")))
-            found = {**found, "page": self._name, "under_way": session.under_way}
+            self._session = await self._session.attach(str(asked.get("page", "")))
+            found |= {"page": self._session.name, "under_way": self._session.under_way}
         return json.dumps({"id": asked["id"], **found})
-
-    async def _attached(self, name: str) -> Session:
-        """Return the session of this page; the first call attaches it."""
-        async with self._attaching:
-            if self._session is None:
-                self._name, self._session = await self._studio.sessions.attach(name)
-            return self._session
 
     def _answered(self, do: str, asked: dict[str, Any]) -> dict[str, Any]:
         studio = self._studio
@@ -205,8 +183,5 @@ class PageConnection:
         if do == "read":
             return studio.folder.read(str(asked["name"]))
         if do == "save":
-            if studio.settings.disk:
-                studio.folder.bytes_left(studio.settings.disk)
-            stamp = asked.get("stamp")
-            return studio.folder.save(str(asked["name"]), str(asked["text"]), stamp and str(stamp))
+            return studio.folder.save(str(asked["name"]), str(asked["text"]), str(asked.get("stamp") or ""))
         raise RopewalkError(f"{do}: unknown request")

@@ -11,6 +11,7 @@ import webbrowser
 import uvicorn
 
 from ropewalk.cli.console import fail, say
+from ropewalk.studio.guard import HEADERS
 from ropewalk.studio.server import Studio
 from ropewalk.studio.settings import Settings
 from ropewalk.studio.share import PAGE
@@ -48,8 +49,8 @@ def serve(settings: Settings, port: int = 0, browser: bool = True) -> None:
     if not (PAGE / "index.html").is_file():
         say("note: its page is not built yet; run  make studio  in the checkout, and open the address then")
     config = uvicorn.Config(
-        app, log_level="error", ws_max_size=_LARGEST_MESSAGE, limit_concurrency=_MOST_CONNECTIONS,
-        ws_per_message_deflate=False, server_header=False, timeout_graceful_shutdown=1, ws_ping_interval=20.0,
+        app, log_level="error", headers=[*HEADERS.items()], server_header=False, limit_concurrency=_MOST_CONNECTIONS,
+        ws_max_size=_LARGEST_MESSAGE, ws_per_message_deflate=False, ws_ping_interval=20.0, timeout_graceful_shutdown=1,
     )  # fmt: skip
     if browser:
         webbrowser.open(address)

@@ -42,11 +42,10 @@ def described(dataset: xr.Dataset) -> dict[str, Any]:
         kept = [float(v) if np.isfinite(v) else None for v in values] if is_numeric else [str(v) for v in values]
         return {"name": name, "unit": str(dataset[name].attrs.get("units", "")), "numeric": is_numeric, "values": kept}
 
-    parameters = [{**column(name), "key": str(dataset[name].attrs["key"])} for name in named(dataset, "parameters")]
     return {
         "title": str(dataset.attrs["title"]), "outcome": str(dataset.attrs["outcome"]), "counted": counted(dataset),
-        "grid": "case" not in dataset.dims, "parameters": parameters,
-        "quantities": [column(name) for name in named(dataset, "quantities")],
+        "grid": "case" not in dataset.dims,
+        **{kind: [column(name) for name in named(dataset, kind)] for kind in ("parameters", "quantities")},
         **{key: column(key)["values"] for key in ("doubts", "reason")}, "outcomes": column("outcome")["values"],
     }  # fmt: skip
 
@@ -102,13 +101,9 @@ def case_of(dataset: xr.Dataset, row: int, allow: Callable[[Scenario], None], fo
     if found.case is None:
         raise RopewalkError(f"this case is no scenario: {found.refused}")
     names = dict(zip(plan.sweep.over, plan.names, strict=True))
-    pairs = (setting.partition("=") for setting in found.settings)
-    short = [f"{names[key]} {_LONG.sub(_rounded, value)}" for key, _, value in pairs if key in names]
+    pairs = (_LONG.sub(lambda number: f"{float(number[0]):.4g}", one).partition("=") for one in found.settings)
+    short = [f"{names[key]} {value}" for key, _, value in pairs if key in names]
     title = ", ".join([plan.scenario.title, *short])
     settings = "".join(f"# {setting}\n" for setting in found.settings)
     text = dump(found.case.scenario.model_copy(update={"title": title}))
     return {"text": f"# One case of a sweep:\n{settings}{text}", "title": title}
-
-
-def _rounded(number: re.Match[str]) -> str:
-    return f"{float(number[0]):.4g}"

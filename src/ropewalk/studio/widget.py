@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,7 +30,8 @@ def view(result: xr.Dataset, beside: xr.Dataset | None = None, height: int = 620
         RopewalkError: anywidget is not installed, the front end has not been built, a result is too large for a page or
             none of a single run.
     """
-    _need_anywidget()
+    if find_spec("anywidget") is None:
+        raise RopewalkError("ropewalk.view needs anywidget, which is not installed: pip install 'ropewalk[notebook]'")
     messages, ended = _given(result)
     others, other_ended = ([], {}) if beside is None else _given(beside)
     if sum(map(len, [*messages, *others])) > MOST_BYTES:
@@ -42,15 +44,6 @@ def _given(result: xr.Dataset) -> tuple[list[bytes], dict[str, Any]]:
     if "position" not in result or not {"time", "load_path"} & set(result.dims):
         raise RopewalkError("ropewalk.view shows the result of one run, as simulate or open_result give it")
     return [*of_result(result, {"id": 1})], stored(result)
-
-
-def _need_anywidget() -> None:
-    try:
-        import anywidget  # noqa: F401
-    except ImportError:
-        raise RopewalkError(
-            "ropewalk.view needs anywidget, which is not installed: pip install 'ropewalk[notebook]'"
-        ) from None
 
 
 @cache

@@ -39,7 +39,11 @@ class Borne:
 class Bearing:
     """Lets loads stand on wires.
 
-    `unstrained`: (node,) m, of the link behind each node; `space`: whether anything moves sideways.
+    Args:
+        mesh: the wires.
+        prescribed_motions: of the loads.
+        unstrained: (node,) m, of the link behind each node.
+        space: whether anything moves sideways.
     """
 
     def __init__(
@@ -152,7 +156,11 @@ class Bearing:
 
 
 def at_rest_together(task: WireTask, start: WireStart) -> tuple[WireTask, WireStart]:
-    """A task whose wires and loads begin at rest with each other, and that beginning."""
+    """A task whose wires and loads begin at rest with each other, and that beginning.
+
+    Raises:
+        EquilibriumError: there is no such rest.
+    """
     bearing = Bearing(start.mesh, task.prescribed_motions, start.unstrained, space=task.space)
     found = bearing.stand(0.0, start.position)
     begin = np.concatenate([[0], np.cumsum(bearing.moving_loads.size)])

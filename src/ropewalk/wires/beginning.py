@@ -28,9 +28,14 @@ def in_mode(start: WireStart, wires: Sequence[int], number: int, amplitude: floa
     """Positions (3, node) in m of wires at rest, some of which are deflected in a mode of theirs.
 
     Args:
+        start: all wires at rest.
+        wires: numbers of those that vibrate together.
         number: of the mode, from 1, among those in the direction.
         amplitude: m, largest displacement.
         direction: (3,).
+
+    Raises:
+        EquilibriumError: there are not so many modes.
     """
     mesh, n = start.mesh, start.mesh.nodes
     mine = np.zeros(n, dtype=np.bool_)
@@ -70,8 +75,10 @@ def on_moved(
 ) -> tuple[PrescribedMotion, ...]:
     """Prescribed motions whose moving loads begin on wires that are elsewhere than at rest, and move.
 
-    `prescribed_motions`: of the moving loads; those that stand follow the wires; `position`, `velocity`: (3, node) m
-    and m/s, of the wires at the beginning.
+    Args:
+        start: of the wires.
+        prescribed_motions: of the moving loads; those that stand follow the wires.
+        position, velocity: (3, node) m and m/s, of the wires at the beginning.
     """
     moved, out = replace(start, position=position), []
     for prescribed_motion in prescribed_motions:
@@ -100,6 +107,9 @@ def small_under_loads(
     """Small motion at rest with its loads: displacements (node,) in m from rest without them, and the motions there.
 
     Droppers slacken as they do in motion, and what can lift off does; then nothing moves unless a load does.
+
+    Raises:
+        EquilibriumError: there is no such rest.
     """
     mesh, moving_loads, springs, holders = motion.mesh, motion.moving_loads, motion.springs, motion.holders
     corrected: Mesh = mesh._replace(strands=mesh.strands._replace(stiffness=motion.stencil.bending))

@@ -42,7 +42,9 @@ def location_at(mesh: Mesh, wire: int, links: float) -> Location:
 def location_below(mesh: Mesh, wire: int, x: Array, place: float) -> Location:
     """The point of a wire at a horizontal place, or the end of the wire next to it.
 
-    `x`: (node,) m, of all nodes; `place`: m.
+    Args:
+        x: (node,) m, of all nodes.
+        place: m.
     """
     n, own = float(mesh.strands.links[wire]), x[mesh.of(wire)]
     turn = 1.0 if own[-1] >= own[0] else -1.0
@@ -58,7 +60,9 @@ def location_below(mesh: Mesh, wire: int, x: Array, place: float) -> Location:
 def links_below(mesh: Mesh, wire: int, x: Array, place: Array) -> Array:
     """The same at many instants, in links from the start of the wire, (instant,).
 
-    `x`: (instant, node) m, of all nodes; `place`: (instant,) m.
+    Args:
+        x: (instant, node) m, of all nodes.
+        place: (instant,) m.
     """
     n, own = int(mesh.strands.links[wire]), np.ascontiguousarray(x[:, mesh.of(wire)])
     turn = np.where(own[:, -1] >= own[:, 0], 1.0, -1.0)

@@ -31,7 +31,10 @@ def _kind(support: Support) -> EndKind:
 def holds_of(line: Line, wire: Wire, number: int, until: float) -> Iterator[Hold]:
     """What holds a line between its ends, and its ends where they are not fixed.
 
-    `until`: how long displacements are needed, s.
+    Args:
+        line: as it is declared.
+        wire: that it has become, and its number.
+        until: how long displacements are needed, s.
     """
     for side, point, support, station in supports_of(line, wire.length):
         if isinstance(support, Fixed) and side in ("start", "end"):

@@ -156,6 +156,7 @@ class Energies:
         """Potential energy of small motion, zero at rest, (instant,) J.
 
         Args:
+            motion: the motion.
             u: (instant, node) m.
             displaced: (instant, holder) m, by how much holders are then.
             failed: (instant, tie) whether they pull no more.

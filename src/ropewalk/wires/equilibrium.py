@@ -29,13 +29,16 @@ class WirePotential:
     """Potential energy of wires, its gradient and its second derivatives, as functions of all positions (3, node).
 
     Args:
+        mesh: the wires and what is attached to them.
         rest: (node,) m, unstrained length of the link behind each node.
         force: (3, node) N, constant forces beside gravity.
+
     Attributes:
         pressing: what stands on the wires: interpolation (contact, node) of the heights there, and how it presses.
         share: part of all constant forces, and of what stands there, that is put on.
         place: (..., hold, 3) m, where holds are without force.
         given: (hold, 3) m, by which what holds fast is moved against its force, so that it gives way to none.
+
     Where `failed` is asked for, it says which ties pull no more, (..., tie).
     """
 
@@ -341,6 +344,7 @@ def settle(
     """Find the rest next to a shape, see `solve/minimum.py`.
 
     Args:
+        potential: of the wires.
         start: (3, node) m.
         failed: (tie,) whether it pulls no more; None: all do.
         space: whether anything moves sideways.

@@ -64,7 +64,14 @@ class WireNote(NamedTuple):
 class Pictures:
     """What makes frames; the energies of the first one are the origin of its audit.
 
-    `sample`: s, from one sample to the next.
+    Args:
+        task: what is computed.
+        mesh: of its wires.
+        moving_loads: on them.
+        motion: of both.
+        sample: s, from one sample to the next.
+        potential: of a large motion.
+        energies: of them.
     """
 
     def __init__(
@@ -152,6 +159,7 @@ class Pictures:
         """Where contact k is on its wire at some instants, at an end if it is beyond that.
 
         Args:
+            k: the contact.
             station: (instant,) m.
             r: (instant, 3, node) m.
 

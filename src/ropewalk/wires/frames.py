@@ -56,7 +56,9 @@ class Wires:
     """Wires as the engine of a motion, in their first state.
 
     Args:
+        task: what is computed.
         times: output instants in s, from 0.
+        run_info: filled in.
         sample: interval of samples in s (default: 1 ms, or `step`); a part of the interval of outputs is taken that is
             no longer.
         step: largest step in s; None: as large as is stable.
@@ -165,7 +167,11 @@ class Wires:
         self._failed, self._one_by_one = False, 0  # the instant before which none are gone through
 
     def get_state(self) -> Tree:
-        """All that changes. Raises RopewalkError: a load is an external model that gives no state."""
+        """All that changes.
+
+        Raises:
+            RopewalkError: a load is an external model that gives no state.
+        """
         return {
             "motion": self.motion.get_state(), "width": self._width, **self._pictures.get_state(),
             "partners": [partner.get_state() for partner in self._partners],
@@ -460,7 +466,9 @@ class Wires:
     def reactions(self, hold: Array, tie: Array) -> Array:
         """Forces of all that holds wires on them now, (support, axis) N.
 
-        `hold`: (hold, 3) N, those of holds; `tie`: (tie,) N; those of ties.
+        Args:
+            hold: (hold, 3) N, those of holds.
+            tie: (tie,) N; those of ties.
         """
         failed, r, v = self.motion.failed[None, :, 0] < np.inf, self.motion.position[None], self.motion.velocity[None]
         return np.asarray(self._pictures.reactions(hold[None], tie[None], r, v, failed)[0])

@@ -73,7 +73,13 @@ class Reactions:
 def layout_of(
     task: WireTask, mesh: Mesh, *, path: str = "time", external: tuple[str, ...] = (), sample: tuple[float, ...] = ()
 ) -> Layout:
-    """The layout of a result. `sample`: s, of samples, from an output instant back."""
+    """The layout of a result.
+
+    Args:
+        path: its leading dimension.
+        external: loads that are external models.
+        sample: s, of samples, from an output instant back.
+    """
     plan, strands = task.plan, mesh.strands
     # Beds carry some of the weight: how much is unknown.
     bedded = any(wire.bed for wire in plan.wires)
@@ -94,7 +100,10 @@ def axial_force(mesh: Mesh, stretched: Array, r: Array) -> Array:
     The bending energy is that of r'', whose force turns with the line: EA times the strain is the force along the
     tangent but for that part, on a line that hardly stretches -EI r' . d3r/ds3 = EI |r''|^2.
 
-    `stretched`: (..., link) N, EA times the strain; `r`: (..., axis, node) m.
+    Args:
+        mesh: of the wires.
+        stretched: (..., link) N, EA times the strain.
+        r: (..., axis, node) m.
     """
     strands, parts = mesh.strands, []
     for a, (stiffness, h, clamped) in enumerate(zip(strands.stiffness, strands.h, strands.clamped, strict=True)):

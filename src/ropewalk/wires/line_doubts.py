@@ -19,7 +19,12 @@ _SLIGHTLY_LESS = 1.0 - 1e-9  # of a slope that is looked at twice, with sums in 
 
 
 class LineDoubts:
-    """What is to doubt, each contact and each wire once."""
+    """What is to doubt, each contact and each wire once.
+
+    Args:
+        task, mesh, moving_loads: what is computed.
+        run_info: the account.
+    """
 
     def __init__(self, task: WireTask, mesh: Mesh, moving_loads: MovingLoads, run_info: RunInfo) -> None:
         self._task, self._mesh, self._moving_loads, self._run_info = task, mesh, moving_loads, run_info

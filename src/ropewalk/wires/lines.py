@@ -52,7 +52,12 @@ def prescribed_motion_of(
 ) -> tuple[PrescribedMotion, Multibody | None]:
     """The prescribed motion of a load on its wire, and how it was put together if it has a mass.
 
-    `wire`: the line that it travels on, or a contact wire; raises RopewalkError: its matrices cannot be used.
+    Args:
+        number: of the wire.
+        wire: the line that it travels on, or a contact wire.
+
+    Raises:
+        RopewalkError: its matrices cannot be used.
     """
     wheels = np.flatnonzero([wheel.load == name for wheel in loading.wheels])
     starts = np.array([loading.wheels[int(k)].start for k in wheels])

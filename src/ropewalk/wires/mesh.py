@@ -154,8 +154,13 @@ def links_of(wire: Wire, element: float) -> int:
 def mesh_of(plan: WirePlan, element: float | list[int], *, small: bool = False) -> Mesh:
     """Divide the wires of a plan.
 
-    `element`: wanted length of a link in m, or the number of links of each wire; `small`: whether they move a little
-    about straight lines only; then beams are of the fourth order.
+    Args:
+        plan: what there is.
+        element: wanted length of a link in m, or the number of links of each wire.
+        small: whether they move a little about straight lines only; then beams are of the fourth order.
+
+    Raises:
+        RopewalkError: something is attached beyond the end of a wire.
     """
     links = [links_of(wire, element) for wire in plan.wires] if isinstance(element, float) else element
     wires, count = plan.wires, np.array(links, dtype=np.int64)
@@ -253,7 +258,10 @@ def local_compliance(wire: Wire, h: float, *, fourth: bool = False) -> tuple[flo
     series. It is a polynomial for strings and for beams of the fourth order, and all but one between them. On beams of
     the second order it is of the order of the error of the mesh, and left out.
 
-    `h`: distance of nodes, m; `fourth`: whether it is a beam of the fourth order.
+    Args:
+        wire: its tension and bending stiffness.
+        h: distance of nodes, m.
+        fourth: whether it is a beam of the fourth order.
     """
     T, EI = wire.tension, wire.bending_stiffness
     if fourth:
@@ -355,8 +363,10 @@ def _holds(strands: WireRuns, plan: WirePlan) -> Holds:
     side = np.where(abs(station) < _AT_NODE, 0, np.where(abs(station - strands.links[at.wire]) < _AT_NODE, 1, -1))
     node = np.where(side < 0, -1, strands.first[at.wire] + np.maximum(side, 0) * strands.links[at.wire])
     return Holds(
-        at, node, np.array([hold.axes for hold in holds], dtype=np.float64).reshape(-1, 3, 3), threes("stiffness"),
-        np.zeros((len(holds), 3), dtype=np.bool_), threes("damping"), threes("place") + at_start, threes("force"),
+        at, node,
+        np.array([hold.axes for hold in holds], dtype=np.float64).reshape(-1, 3, 3),
+        threes("stiffness"), np.zeros((len(holds), 3), dtype=np.bool_), threes("damping"), threes("place") + at_start,
+        threes("force"),
         np.array([time.size for time, _ in tables], dtype=np.int64),
         np.concatenate([time for time, _ in none + tables]), np.hstack([value for _, value in none + tables]),
     )  # fmt: skip

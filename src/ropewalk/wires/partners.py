@@ -89,7 +89,17 @@ class WireLine:
 
 @dataclass
 class WirePartner(Bearer):
-    """An external model on a wire while it moves. `sample`: s, between two rows."""
+    """An external model on a wire while it moves.
+
+    Args:
+        cosimulation: with the model.
+        columns: of the drive, of its contacts.
+        wire: on which it is.
+        mesh, motion: of the run.
+        axes: that the run has.
+        send: moves the wires on by the rows of a drive.
+        sample: s, between two rows.
+    """
 
     cosimulation: CosimulationMaster
     columns: range

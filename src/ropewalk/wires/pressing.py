@@ -34,12 +34,20 @@ class Pressing:
 
 
 def pressing(
-    prescribed_motions: Sequence[PrescribedMotion], moving_loads: MovingLoads, t: float, local: Array, rough: Array,
-    aside: Array, on: NDArray[np.bool_], ground: Array,
-) -> Pressing:  # fmt: skip
+    prescribed_motions: Sequence[PrescribedMotion],
+    moving_loads: MovingLoads,
+    t: float,
+    local: Array,
+    rough: Array,
+    aside: Array,
+    on: NDArray[np.bool_],
+    ground: Array,
+) -> Pressing:
     """How loads press at an instant.
 
     Args:
+        prescribed_motions: all loads.
+        moving_loads: the same as arrays.
         t: s.
         local: (contact,) m/N, compliance of the wires beside their splines, as `moving_loads.local_under` has it.
         rough: (contact,) m, heights that are added to the wires.

@@ -189,6 +189,7 @@ def restrained_shape(
     """Heights of all control points of wires that go through given heights, and the forces upwards that it takes.
 
     Args:
+        places: points of the wires.
         heights: (point,) m.
         load: (node,) N upwards on the control points.
         wires: nodes of those that are asked for; others stay straight.
@@ -225,7 +226,11 @@ def _solve(
 
 
 def rest_of(mesh: Mesh) -> WiresAtRest:
-    """Rest under gravity with the given lengths of the ties; ties that would be pushed are slack."""
+    """Rest under gravity with the given lengths of the ties; ties that would be pushed are slack.
+
+    Raises:
+        EquilibriumError: there is no rest.
+    """
     free, K = moving(mesh), vertical_stiffness(mesh)
     chord, position = mesh.straight()[2], mesh.led(mesh.straight())
     z, x = position[2].copy(), position[0]
@@ -288,7 +293,8 @@ def ties_springs(mesh: Mesh) -> tuple[Array, Array]:
 def hung(mesh: Mesh, position: Array) -> Array:
     """Unstrained lengths of links with which wires of constant level tension hang as they do, (node,) m.
 
-    `position`: (3, node) m at rest.
+    Args:
+        position: (3, node) m at rest.
     """
     rest, tension = np.ones(mesh.nodes), mesh.tension
     for a, wire in enumerate(mesh.plan.wires):

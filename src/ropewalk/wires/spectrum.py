@@ -42,7 +42,12 @@ class _State:
 def spectrum(task: WireTask, how_many: int | None = None) -> Spectrum:
     """Natural frequencies, damping ratios and shapes of wires at rest, without what travels on them.
 
-    Raises RopewalkError: there is no rest.
+    Args:
+        task: whose wires are meant.
+        how_many: of the lowest modes.
+
+    Raises:
+        RopewalkError: there is no rest.
     """
     _, start = ready(
         replace(task, prescribed_motions=(), contacts=(), displayed=(), external_models=(), with_loads=False)
@@ -51,7 +56,11 @@ def spectrum(task: WireTask, how_many: int | None = None) -> Spectrum:
 
 
 def spectrum_with_loads(task: WireTask, how_many: int | None = None) -> Spectrum:
-    """The same at rest with what travels, where it begins. Raises RopewalkError: there is no such rest."""
+    """The same at rest with what travels, where it begins.
+
+    Raises:
+        RopewalkError: there is no such rest.
+    """
     if task.geometry == "linearised":
         return spectrum_at(task, 0.0, how_many=how_many)
     task, start = ready(task)
@@ -71,8 +80,10 @@ def spectrum_at(
     """The same at an instant of a motion, everything frozen as it is then: loads stay where they stand.
 
     Args:
+        task: what moves.
         t: s.
         sample, step: s, of the motion.
+        how_many: of the lowest modes.
 
     Raises:
         RopewalkError: the motion does not come to the instant.

@@ -18,7 +18,10 @@ _SQUARES = 0.72  # the largest sum of squares of the weights of a spline
 def largest_step(mesh: Mesh, moving_loads: MovingLoads, *, along: bool = False) -> float:
     """A step in s that is stable for motion across, from bounds of all frequencies, which add up at worst.
 
-    `along`: whether ties along the line are seen to by the steps of motion along it.
+    Args:
+        mesh: the wires.
+        moving_loads: what travels.
+        along: whether ties along the line are seen to by the steps of motion along it.
     """
     s = mesh.strands
     T, m = np.maximum(s.tension, 0.0), s.rho * s.h
@@ -42,7 +45,16 @@ def largest_step_along(mesh: Mesh, inertia: float = 1.0) -> float:
 
 
 def refuse_tiny_steps(mesh: Mesh, steps: int, sample: float) -> None:
-    """Refuse a motion whose stable time step is so short that it would never end. `sample`: interval of samples, s."""
+    """Refuse a motion whose stable time step is so short that it would never end.
+
+    Args:
+        mesh: the wires.
+        steps: in a sample.
+        sample: interval of samples, s.
+
+    Raises:
+        RopewalkError: there are too many steps in a sample.
+    """
     if steps * mesh.nodes <= _MOST:
         return
     EA = np.array([wire.axial_stiffness for wire in mesh.plan.wires])

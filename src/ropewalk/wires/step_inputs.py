@@ -50,7 +50,10 @@ class Record(NamedTuple):
     ) -> Record:  # fmt: skip
         """Room for a number of rows, which come last where there is an entry for each tie, hold or watched point.
 
-        `instants`: each of as many rows, that come first of all; None: there are none.
+        Args:
+            rows: their number.
+            moving_loads, ties, holds, watched: what there is.
+            instants: each of as many rows, that come first of all; None: there are none.
         """
         contacts, bodies = moving_loads.owner.size, moving_loads.mass.shape[:2]
         first = () if instants is None else (instants,)

@@ -45,7 +45,9 @@ def stand_while_ties_fail(bearing: Bearing, t: float, near: Array, before: tuple
 
     What was cut up to then fails first; then that which bears most of its strength, as long as it bears more than all.
 
-    `t`: s; `near`: (3, node) m, a shape close by.
+    Args:
+        t: s.
+        near: (3, node) m, a shape close by.
     """
     ties, failures = bearing.mesh.ties, before
     failed = np.zeros(ties.length.size, dtype=np.bool_)
@@ -73,7 +75,12 @@ def _next(ties: WireTies, failed: NDArray[np.bool_], force: Array, t: float) -> 
 class WireStatics:
     """A run without inertia: its layout, and its frames one after the other.
 
-    Raises RopewalkError: there is no rest without loads.
+    Args:
+        task: what is computed.
+        run_info: filled in.
+
+    Raises:
+        RopewalkError: there is no rest without loads.
     """
 
     def __init__(self, task: WireTask, run_info: RunInfo) -> None:
@@ -98,7 +105,15 @@ class WireStatics:
         return self._frame(found, 0.0)
 
     def slowly(self, positions: int, turn: float | None) -> Iterator[Frame]:
-        """Yield frames at equal steps of the load path until all loads have left or stopped, see `StaticEngine`."""
+        """Yield frames at equal steps of the load path, until all loads have left their lines or stopped.
+
+        Args:
+            positions: how many.
+            turn: rad, see `solve/following.py`.
+
+        Raises:
+            EquilibriumError: no load moves, or there is no equilibrium with the loads somewhere on their path.
+        """
 
         def rest(t: float, near: BorneByTheRest | None) -> BorneByTheRest:
             if near is None:

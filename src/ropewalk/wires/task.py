@@ -79,7 +79,11 @@ class WireStart:
 
 
 def unstretched(plan: WirePlan, element: float | list[int]) -> WirePlan:
-    """The plan with wires whose stations count unstrained metres as long as their tensions ask for."""
+    """The plan with wires whose stations count unstrained metres as long as their tensions ask for.
+
+    Raises:
+        RopewalkError: something is attached off its wire, or there is no rest.
+    """
     if all(wire.stretched or wire.unstrained is not None for wire in plan.wires):
         return plan
     mesh = mesh_of(plan, element)
@@ -135,7 +139,8 @@ def _softness(mesh: Mesh) -> Array:
 def ready(task: WireTask) -> tuple[WireTask, WireStart]:
     """Divide the wires and find their rest; moving loads that are to stand on the wires take their first places there.
 
-    Raises RopewalkError: something is attached off its wire, or there is no rest.
+    Raises:
+        RopewalkError: something is attached off its wire, or there is no rest.
     """
     start = _linearised(task) if task.geometry == "linearised" else _nonlinear(task)
     prescribed_motions = tuple(
@@ -264,7 +269,8 @@ def hanging(start: Array, end: Array, length: float, links: int) -> Array:
 def place_at(start: WireStart, wire: int, station: float, *, material: bool) -> tuple[float, float]:
     """Height of a wire at rest in m, and its slope in m per m of station; beyond its ends it is level.
 
-    `station`: m along the chord, or along the wire itself if `material`.
+    Args:
+        station: m along the chord, or along the wire itself if `material`.
     """
     mesh, z = start.mesh, start.position[2]
     h, own = float(mesh.strands.h[wire]), z[mesh.of(wire)]
@@ -348,7 +354,10 @@ def _struck(moving_load: TravellingLoad, rate: Array, rise: Array, row: Array) -
 def resting(moving_load: TravellingLoad, height: Array, row: Array) -> Array:
     """Coordinates of a moving load at rest on contacts that are moved up by heights in m; or their rates, by rates.
 
-    `height`: (contact,) m or m/s; `row`: (contact, coordinate) by which its contacts follow its coordinates.
+    Args:
+        moving_load: it.
+        height: (contact,) m or m/s.
+        row: (contact, coordinate) by which its contacts follow its coordinates.
     """
     size = moving_load.size
     rigid = np.array([np.isinf(contact.stiffness) for contact in moving_load.contacts], dtype=np.bool_)

@@ -30,9 +30,12 @@ def threads_of(mesh: Mesh, position: Array, rest: Array, step: float, inner: int
     """Prepare inner steps.
 
     Args:
+        mesh: the wires.
         position: (axis, node) m at rest, which keeps the real bending stiffness.
         rest: (node,) m, unstrained length of the link behind each node (those of last nodes are not used).
         step: s, of an inner step.
+        inner: number of them in a step.
+        inertia: factor on the mass for motion along x.
     """
     s, plan = mesh.strands, mesh.plan
     T = np.maximum(s.tension, 0.0)

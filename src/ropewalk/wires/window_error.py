@@ -47,6 +47,8 @@ class WindowMeasure:
         motion: in its first state, and left so; its window in another width.
         given: what is given from an instant in s on, for so many rows.
         sample: s, of a row.
+        rows: that the motion goes on by at once.
+        steps: of each row.
         until: end of the run, s.
         returns: after how many s waves come back from the borders of a window of 1 m; infinite: none does.
         speed: m/s, of the fastest contact.

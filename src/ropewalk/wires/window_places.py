@@ -16,6 +16,7 @@ def window_places(mesh: Mesh, wires: Integers, stations: Array, until: float) ->
     Waves of a tie that is cut come from beyond a window around the contacts alone, which takes none for coming in.
 
     Args:
+        mesh: the wires.
         wires: (contact,) on which contacts are.
         stations: (contact,) m, where.
         until: s.

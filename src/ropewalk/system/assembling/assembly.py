@@ -237,7 +237,11 @@ def contacts_of(
 ) -> tuple[Any, Tables, BodyArrays]:
     """Contacts of all loads, their histories, and what has a mass above them.
 
-    `on`: numbers of the lines of loads, by their names.
+    Args:
+        scenario: what is there.
+        loading: its loads.
+        structure: what they travel on.
+        on: numbers of the lines of loads, by their names.
     """
     wheels, loads, dim = loading.wheels, loading.loads, len(loading.axes)
     contacts = records(len(wheels), CONTACT)
@@ -373,6 +377,9 @@ def refuse_beyond(scenario: Scenario, loading: Loading, contacts: Any, structure
     """Refuse loads that would begin beyond the end of their line, but for trains, whose axles come to it later.
 
     The distance of the ends of a line stands for its far one, also for axles that begin behind that.
+
+    Raises:
+        EquilibriumError: there is such a load.
     """
     shifts = dict[int, float]()
     for wheel, contact in zip(loading.wheels, contacts, strict=True):

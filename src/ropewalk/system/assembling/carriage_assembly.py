@@ -38,8 +38,12 @@ def with_carriages(
 ) -> BodyArrays:  # fmt: skip
     """Add the bars and the hauling ropes of carriages, and hoists of payloads, to what has a mass.
 
-    `contacts`: records; mobilities of wheels of carriages are noted; `places`: number of coordinates of contacts, after
-    which those of bodies stand.
+    Args:
+        scenario: what is there.
+        loading: its loads.
+        contacts: records; mobilities of wheels of carriages are noted.
+        bodies: what has a mass.
+        places: number of coordinates of contacts, after which those of bodies stand.
     """
     bodies = _with_hoists(scenario, loading, bodies)
     bars, points, hauls = list[dict[str, Any]](), list[int](), list[dict[str, Any]]()

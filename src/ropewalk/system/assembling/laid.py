@@ -107,10 +107,14 @@ def lay(
     """Number the nodes of a scenario.
 
     Args:
+        scenario: what is there.
         lengths: unstrained length of each line, m.
         marks: where lines have nodes besides those between equal links; they are divided there.
         over: where along lines their sheaves are; None: about there as they are drawn.
         split: whether lines are divided at their sheaves, too, and do not run over them.
+
+    Raises:
+        RopewalkError: a net cannot be divided, or a path leads over its edge.
     """
     nodes, more = _Nodes(), {name: list(places) for name, places in (marks or {}).items()}
     membranes = tuple(sheet_of(name, net) for name, net in scenario.nets.items())

@@ -81,7 +81,11 @@ def curves(
 
     Lines that others are joined to are drawn first, these then begin and end on them.
 
-    `lengths`: unstrained length of each line, m; `marks`: where lines have nodes, too, m.
+    Args:
+        scenario: what is there.
+        lengths: unstrained length of each line, m.
+        membranes: of its nets.
+        marks: where lines have nodes, too, m.
     """
     knots: dict[str, list[Array]] = {name: [] for name in scenario.joints}
     for line in scenario.lines.values():

@@ -69,7 +69,11 @@ class MembraneMesh:
         return int(away.argmin()), float(away.min())
 
     def cell_at(self, place: Array, what: str) -> int:
-        """The triangle in which a place (2,) of the plan lies."""
+        """The triangle in which a place (2,) of the plan lies.
+
+        Raises:
+            RopewalkError: it lies outside.
+        """
         cell, _ = locate(self.surface, place)
         if cell < 0:
             raise RopewalkError(
@@ -79,7 +83,11 @@ class MembraneMesh:
 
 
 def sheet_of(name: str, net: AnyNet) -> MembraneMesh:
-    """Lay out a net or membrane. Raises RopewalkError: its outline cannot be divided."""
+    """Lay out a net or membrane.
+
+    Raises:
+        RopewalkError: its outline cannot be divided.
+    """
     try:
         surface, origin, axes, skew, corners = _parallelogram(net) if net.boundary is None else _outline(net)
     except ValueError as error:

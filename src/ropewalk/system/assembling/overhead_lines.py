@@ -59,7 +59,12 @@ class _WireRun:
 def overhead_lines_of(scenario: Scenario, axes: tuple[str, ...] | None) -> Assembled:
     """The structure of all overhead lines of a scenario, without its loads.
 
-    `axes`: names of the axes, if not those that the scenario needs; wires that run aside need three.
+    Args:
+        scenario: what is there.
+        axes: names of the axes, if not those that the scenario needs; wires that run aside need three.
+
+    Raises:
+        EquilibriumError: a line cannot rest as wanted.
     """
     sections = {name: section_of(name, line, scenario.gravity) for name, line in scenario.overhead_lines.items()}
     aside = not all(section.view.is_straight for section in sections.values())

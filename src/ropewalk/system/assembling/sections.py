@@ -20,6 +20,11 @@ def sections_of(scenario: Scenario, laid: Laid, corners: set[int]) -> Iterator[t
     """Runs of all lines: names, nodes as laid out, stations in m.
 
     They end where something is joined or a line turns, and beside sheaves.
+
+    Args:
+        scenario: what is there.
+        laid: the same laid out.
+        corners: nodes in which edge cables turn.
     """
     uses = np.bincount(np.concatenate([[0], *(strand.node for strand in laid.strands)]), minlength=laid.place.shape[0])
     uses[0] -= 1
@@ -50,7 +55,14 @@ def sections_of(scenario: Scenario, laid: Laid, corners: set[int]) -> Iterator[t
 
 
 def sheaves_of(laid: Laid, sections: list[tuple[str, Integers, Array]], weight: Array, first: int) -> Sheaves | None:
-    """Sheaves over which lines run, as they are laid out. `weight`: (section, axis) N/m."""
+    """Sheaves over which lines run, as they are laid out.
+
+    Args:
+        laid: the lines.
+        sections: their runs.
+        weight: (section, axis) N/m.
+        first: the first of the nodes of all sheaves.
+    """
     own = [sheave for sheave in laid.sheaves if sheave.link >= 0]
     if not own:
         return None

@@ -78,8 +78,12 @@ def polygon(points: ArrayLike, spacing: float) -> Surface:
 
     The vertices of the rim come first, in order, from the first corner. The same outline gives the same division.
 
-    `points`: corners (corner, 2) in m, either way round; the first may be repeated at the end; `spacing`: largest
-    distance of neighbours on the rim, and that of the grid inside, m.
+    Args:
+        points: corners (corner, 2) in m, either way round; the first may be repeated at the end.
+        spacing: largest distance of neighbours on the rim, and that of the grid inside, m.
+
+    Raises:
+        ValueError: fewer than three corners, an outline that crosses or touches itself, a spacing out of range.
     """
     corners = _checked_outline(points)
     if not (np.isfinite(spacing) and spacing > 0.0):
@@ -125,6 +129,7 @@ def locate(surface: Surface, point: ArrayLike) -> tuple[int, Array]:
     """Find the triangle in which a point of the plan lies.
 
     Args:
+        surface: where to look.
         point: (u, v) in m.
 
     Returns:

@@ -40,7 +40,12 @@ class PathPiece:
 
 
 class Nets:
-    """The nets and membranes of a structure, as nodes of it."""
+    """The nets and membranes of a structure, as nodes of it.
+
+    Args:
+        scenario: what is there.
+        laid: the same laid out.
+    """
 
     def __init__(self, scenario: Scenario, laid: Laid) -> None:
         self.membranes, self._laid, self._scenario = laid.membranes, laid, scenario

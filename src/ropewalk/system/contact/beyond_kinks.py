@@ -36,6 +36,9 @@ class Reading(NamedTuple):
     def of(self, values: Array) -> Array:
         """What links have, (instant, node), as read.
 
+        Args:
+            values: what they have in the computation.
+
         Returns:
             A copy, with NaN where that has it.
         """
@@ -47,7 +50,10 @@ class Reading(NamedTuple):
 def beyond_kinks(contacts: Any, tension: Array, structure: Structure) -> Reading:
     """Where to read what links have beside contacts: beyond the kinks, but half way to the next contact at most.
 
-    `contacts`: (instant, contact) records; `tension`: of links by their first node, (instant, node) N.
+    Args:
+        contacts: (instant, contact) records.
+        tension: of links by their first node, (instant, node) N.
+        structure: what they are on.
     """
     runs = structure.runs
     N = np.linalg.norm(contacts["N"], axis=2)

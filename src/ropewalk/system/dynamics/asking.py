@@ -22,7 +22,12 @@ FAILED = -1  # instead of what a kernel says
 
 
 class Asking:
-    """A motion whose loads decide on the way what they do."""
+    """A motion whose loads decide on the way what they do.
+
+    Args:
+        carrier: what moves.
+        controllers: who decide.
+    """
 
     def __init__(self, carrier: SystemCarrier, controllers: Sequence[Controller]) -> None:
         self.carrier, self.controllers, self.message = carrier, controllers, ""

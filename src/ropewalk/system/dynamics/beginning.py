@@ -37,9 +37,16 @@ def begin_elsewhere(
     """Put a structure at rest, without its loads, into a mode or to where it was at a stored instant.
 
     Args:
+        structure: what moves.
         state: of rest; its places and velocities of nodes are changed.
+        start: what the motion begins with.
+        displayed: nodes in the order of results.
+        of_line: the line of each of these.
         within: whether it stays in the plane.
         apart: overhead lines, each of which has a mode of its own.
+
+    Raises:
+        RopewalkError: there is no such mode, or the file does not fit.
     """
     if start.kind == "result":
         _restore(structure, state, start, displayed)
@@ -69,8 +76,13 @@ def begin_elsewhere(
 def begin_in_wind(structure: Structure, state: SystemState, buffers: Buffers) -> None:
     """Put a structure without its loads to its equilibrium in the wind as it blows at t = 0.
 
-    `state`: of the equilibrium in calm air; its places of nodes are changed; `buffers`: of the motion, whose tensions
-    of inextensible links are changed.
+    Args:
+        structure: what moves.
+        state: of the equilibrium in calm air; its places of nodes are changed.
+        buffers: of the motion, whose tensions of inextensible links are changed.
+
+    Raises:
+        EquilibriumError: there is none.
     """
     size = float(np.ptp(state.r, axis=1).max())
     potential = SystemPotential(structure, LoadedStructure(structure, state.r.copy()), size)
@@ -148,7 +160,10 @@ def measure_from_rest(contacts: Any, state: SystemState, locate: Callable[[], ob
 
     They keep the material on which they begin without loads; what is measured along x or an arc is counted from there.
 
-    `contacts`: records; where their travel begins is changed.
+    Args:
+        contacts: records; where their travel begins is changed.
+        state: at rest, with places along lines.
+        locate: puts all contacts where they are now.
     """
     rests, u = state.s.copy(), state.u.copy()
     own = (contacts["travel"] != FREE) & (contacts["measure"] != MATERIAL) & (contacts["moved"] == 0)

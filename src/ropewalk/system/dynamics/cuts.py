@@ -26,7 +26,11 @@ _ROUNDING = 1e-12  # of an instant
 
 
 class FailingTies(Parting):
-    """All ties of a structure that may fail. `assembled`: the structure, whose ties change, and which of them fail."""
+    """All ties of a structure that may fail.
+
+    Args:
+        assembled: the structure, whose ties change, and which of them fail.
+    """
 
     def __init__(self, assembled: Assembled) -> None:
         attached, ties = assembled.attached, assembled.structure.ties
@@ -123,7 +127,11 @@ class _Cut:
 class Cuts(Parting):
     """All cuts of lines.
 
-    `assembled`: the same as arrays, of which restraints change; `places`: (contact,) m, along their lines; changes.
+    Args:
+        scenario: what is there.
+        assembled: the same as arrays, of which restraints change.
+        contacts: of loads.
+        places: (contact,) m, along their lines; changes.
     """
 
     def __init__(self, scenario: Scenario, assembled: Assembled, contacts: Any, places: Array) -> None:
@@ -202,7 +210,10 @@ class Cuts(Parting):
 def runs_ahead_of_cuts(scenario: Scenario, line: Sequence[str], begin: Array) -> list[int]:
     """Runs behind whose last node a line is cut.
 
-    `line`: (run,) names; `begin`: (run,) m, where each begins on its line.
+    Args:
+        scenario: what is there.
+        line: (run,) names.
+        begin: (run,) m, where each begins on its line.
     """
     found = []
     for s in range(len(line) - 1):

@@ -62,10 +62,12 @@ class Implicit:
     """Implicit steps of a system.
 
     Args:
+        system: what moves.
         rest: (axis, node) m, without loads.
         accuracy: wanted of positions over the whole motion, m.
         longest: step, s.
         first: about the stable step of explicit motion, s.
+        method: its stages.
     """
 
     def __init__(

@@ -21,7 +21,13 @@ from ropewalk.system.equilibrium.statics import SystemPotential
 
 
 class KeptLengths:
-    """The constraints of a system that moves, none where all of its links stretch."""
+    """The constraints of a system that moves, none where all of its links stretch.
+
+    Args:
+        system: what moves.
+        potential: of its lines with what stands on them.
+        forces: of everything.
+    """
 
     def __init__(self, system: System, potential: SystemPotential, forces: Forces) -> None:
         self._system, self._potential, self._forces = system, potential, forces

@@ -69,7 +69,11 @@ _ROUNDS, _FOUND = 20, 1e-13
 
 
 class Memory:
-    """What is kept in mind of the beginning of a step."""
+    """What is kept in mind of the beginning of a step.
+
+    Args:
+        system: what moves.
+    """
 
     def __init__(self, system: System) -> None:
         self._system, runs = system, system.structure.runs

@@ -80,6 +80,8 @@ class SystemMotion:
     """Cable runs, joints and what they carry, as the engine of a motion in their first state.
 
     Args:
+        scenario: what is computed.
+        run_info: filled in.
         times: output instants in s, from 0.
         past: whether it goes on from a state that will be put, wherever it began.
         axes: names of the axes, if not those that the scenario needs.
@@ -283,7 +285,8 @@ class SystemMotion:
 
         Kinks are as in the steps to come.
 
-        Raises EquilibriumError: there is no such rest.
+        Raises:
+            EquilibriumError: there is no such rest.
         """
         if self.times.size > 1 and self._gives_way:
             self.contacts["step"] = self._in_steps(1)[1]
@@ -464,7 +467,11 @@ class SystemMotion:
             self.run_info.warnings.append(doubts.turned_far(t, self._step, stable))
 
     def get_state(self) -> Tree:
-        """All that changes. Raises RopewalkError: a load is an external model that gives no state."""
+        """All that changes.
+
+        Raises:
+            RopewalkError: a load is an external model that gives no state.
+        """
         changing = {name: copied(arrays) for name, arrays in self._changing().items()}
         own = {"frames": self._builder.get_state(), "longest": self._carrier.longest}
         return {**own, **changing, "guides": self._asking.get_state(), "partings": self._partings.get_state()}

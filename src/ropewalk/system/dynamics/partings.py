@@ -59,7 +59,12 @@ class Parting(ABC):
 
 
 class Partings:
-    """All that parts in a motion."""
+    """All that parts in a motion.
+
+    Args:
+        kinds: by name.
+        run_info: told of what parts.
+    """
 
     def __init__(self, kinds: dict[str, Parting], run_info: RunInfo) -> None:
         self._kinds, self._run_info = kinds, run_info

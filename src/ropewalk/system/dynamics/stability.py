@@ -43,7 +43,12 @@ _ARCS = 1.0 + CORRECTION / 3.0 + 2.0 * SHORT / 3.0
 def largest_step(structure: Structure, contacts: Any, bodies: BodyArrays, r: Array, rest: Array | None = None) -> float:
     """The step that is used at most, s: 2/omega (sqrt(1 + zeta^2) - zeta) with bounds of frequency and damping.
 
-    `r`: (axis, node) m; `rest`: (axis, node) m, if they are not there.
+    Args:
+        structure: what moves.
+        contacts: of what it carries.
+        bodies: what it carries.
+        r: (axis, node) m.
+        rest: (axis, node) m, if they are not there.
     """
     steps = [_stable(square, rate) for square, rate in _of_lines(structure, r, rest)]
     steps.extend(_of_bodies(contacts, bodies))
@@ -207,7 +212,9 @@ def _of_rope(haul: Any, carriage: float) -> tuple[float, float]:
 
     Half a spring is between carriage and first mass, 2 k (1/M + 1/m), the others are no more than 4 k/m.
 
-    `carriage`: 1/kg, what a force on its carriage accelerates.
+    Args:
+        haul: its record.
+        carriage: 1/kg, what a force on its carriage accelerates.
     """
     n, length = int(haul["masses"]), float(haul["length"])
     stiff, damps = (float(haul[key]) / length * max(2 * n, 1) for key in ("stiffness", "damping"))
@@ -309,7 +316,13 @@ def of_cells(structure: Structure) -> tuple[Array, Array]:
 
 
 def cut_by_damping(assembled: Assembled, r: Array, steps: float) -> list[str]:
-    """The line whose axial damping makes a long run much longer than it would be without. `r`: (axis, node) m."""
+    """The line whose axial damping makes a long run much longer than it would be without.
+
+    Args:
+        assembled: what moves.
+        r: (axis, node) m.
+        steps: of the run.
+    """
     if steps < MANY:
         return []
     times, run = shortened(assembled.structure, r)

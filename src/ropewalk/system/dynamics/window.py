@@ -29,7 +29,13 @@ WAITS, LONGEST = 0.1, 1000
 
 
 class Window:
-    """The window of a motion. `width`: m, on both sides of each contact."""
+    """The window of a motion.
+
+    Args:
+        structure: all of it.
+        width: m, on both sides of each contact.
+        bridges: runs that move as a whole.
+    """
 
     def __init__(self, structure: Structure, width: float, bridges: Collection[int] = ()) -> None:
         self.whole, self._width, self._bridges = structure, width, bridges
@@ -150,7 +156,10 @@ class TiedColumn(NamedTuple):
 def columns_of(ties: Ties | None, runs: Runs, nodes: int) -> list[TiedColumn]:
     """What ties join: those with a mass in common are one column.
 
-    `nodes`: how many there are, those of runs and masses.
+    Args:
+        ties: of a structure.
+        runs: whose points they tie.
+        nodes: how many there are, those of runs and masses.
     """
     if ties is None or not ties.first.size:
         return []

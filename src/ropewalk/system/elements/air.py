@@ -44,7 +44,10 @@ def damping_by_wind(structure: Structure, r: Array, t: float) -> sparse.csc_matr
 
         -dF/dv = rho/2 d l (|u_n| (1 - t t) + u_n u_n / |u_n|)
 
-    `r`: (axis, node) m, where; `t`: s, when.
+    Args:
+        structure: what stands in the air.
+        r: (axis, node) m, where.
+        t: s, when.
     """
     if (found := _dragged(structure, r, t)) is None:
         return sparse.csc_matrix((r.size, r.size))
@@ -60,6 +63,9 @@ def stiffness_by_wind(structure: Structure, r: Array, t: float) -> sparse.csc_ma
     With c from the first end to the second, dl = t dc and l dt = (1 - t t) dc,
 
         -dF/dc = rho/2 d (|u_n| (t u_n + (u t) (1 - t t)) + (u t) u_n u_n / |u_n| - |u_n| u_n t).
+
+    Args:
+        structure, r, t: as of `damping_by_wind`.
     """
     if (found := _dragged(structure, r, t)) is None:
         return sparse.csc_matrix((r.size, r.size))

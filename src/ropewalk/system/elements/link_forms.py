@@ -17,7 +17,12 @@ from ropewalk.system.elements.structure import Structure
 
 
 class Products:
-    """The matrix A diag(c) B as a function of c. `A`: (row, factor); `B`: (factor, column)."""
+    """The matrix A diag(c) B as a function of c.
+
+    Args:
+        A: (row, factor).
+        B: (factor, column).
+    """
 
     def __init__(self, A: sparse.spmatrix, B: sparse.spmatrix) -> None:
         A, B = A.tocsc(), B.tocsr()
@@ -62,6 +67,7 @@ class LinkForms:
         three: second differences beside links, (node, node).
         weight: of the bending energy of second differences, (node,).
         arcs: links that are arcs, 1 or 0, (node,).
+        across: stiffness across links, by forms and bed.
         lengthened: change of squares of lengths, by forms.
     """
 

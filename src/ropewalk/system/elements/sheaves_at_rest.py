@@ -42,7 +42,8 @@ def part_until_passing(sheaves: Sheaves, runs: Runs, way: Array) -> float:
 def stiffness_of(sheaves: Sheaves, runs: Runs, r: Array, how: int) -> sparse.csc_matrix:
     """Second derivatives of the energy of all pieces, (place, place) N/m; places as (axis, node); linearised: at rest.
 
-    `how`: SLIPS: with the slip at which it is least; STICKS: with the slip as it is; LITTLE: as small motion has it.
+    Args:
+        how: SLIPS: with the slip at which it is least; STICKS: with the slip as it is; LITTLE: as small motion has it.
     """
     if sheaves.about.are_there:
         return gathered(sheaves.about.node, sheaves.about.stiffness, r.shape[1], r.shape[0])

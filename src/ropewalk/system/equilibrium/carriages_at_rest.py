@@ -25,7 +25,12 @@ _ROUNDS, _EVEN = 12, 1e-6
 class CarriagesAtRest:
     """All carriages of a motion before it begins.
 
-    `contacts`: records, changed; `bodies`: what has a mass; hauling ropes are changed.
+    Args:
+        scenario: what is there.
+        loading: its loads.
+        contacts: records, changed.
+        bodies: what has a mass; hauling ropes are changed.
+        dim: number of axes.
     """
 
     def __init__(self, scenario: Scenario, loading: Loading, contacts: Any, bodies: BodyArrays, dim: int) -> None:
@@ -57,7 +62,8 @@ class CarriagesAtRest:
     def roll(self, at_rest: Any) -> None:
         """Let wheels roll on until nothing pushes them along, but for what holds all alike.
 
-        `at_rest`: contacts as they rest together with the line; all have stayed at their places on it.
+        Args:
+            at_rest: contacts as they rest together with the line; all have stayed at their places on it.
         """
         for load, own in self._each():
             found, begin = at_rest[own], self._contacts["begin"][own]
@@ -76,7 +82,12 @@ class CarriagesAtRest:
 
         Of two carriages on one rope it is the mean of what both need.
 
-        `r`: (axis, node) m; raises EquilibriumError: a rope that hangs freely cannot hold its carriage there.
+        Args:
+            structure: what carries them.
+            r: (axis, node) m.
+
+        Raises:
+            EquilibriumError: a rope that hangs freely cannot hold its carriage there.
         """
         for i, haul in enumerate(self._bodies.carriages.hauls):
             ends = [(haul["first"], haul["wheels"]), (haul["other"], haul["others"])][: 2 - haul["driven"]]
@@ -153,6 +164,7 @@ class CarriagesAtRest:
         """Half of the rope from a carriage to the next roller or station, across its way, (axis,) N.
 
         Args:
+            haul: the hauling rope.
             along: (axis,) unit vector from the carriage on.
             away: (axis,) m, to the station.
             weight: N/m.
@@ -168,7 +180,11 @@ class CarriagesAtRest:
     def _hang(self, haul: Any, structure: Structure, r: Array, needed: float) -> tuple[float, Array]:
         """Pull of a rope that hangs freely, N, and all that it does to its carriage, (axis,) N.
 
-        `r`: (axis, node) m; `needed`: N, along the line and as it goes, of both.
+        Args:
+            haul: the rope.
+            structure: what carries it.
+            r: (axis, node) m.
+            needed: N, along the line and as it goes, of both.
         """
         away = self._to_station(structure, r, int(haul["first"]), int(haul["to"]))
         way = self._way(haul["first"], haul["wheels"]).mean(axis=0)
@@ -186,7 +202,9 @@ class CarriagesAtRest:
     def hang(self, u: Array, w: Array) -> None:
         """Put cabins below, with the angles of their hangers at the start, and let them go along.
 
-        `u`: coordinates of what has a mass, m, changed; `w`: their velocities, m/s, changed.
+        Args:
+            u: coordinates of what has a mass, m, changed.
+            w: their velocities, m/s, changed.
         """
         carriages, axes = self._bodies.carriages, np.arange(self._dim)
         swings = [load.cabin.swing for load, _ in self._each() if load.cabin is not None]
@@ -204,7 +222,11 @@ class CarriagesAtRest:
     def pay_out(self, structure: Structure, buffers: Buffers, r: Array, u: Array) -> None:
         """Let hauling ropes be as long as makes them pull where carriages stand as they did there at rest.
 
-        `r`: (axis, node) m; `u`: coordinates of what has a mass, m.
+        Args:
+            structure: what carries them.
+            buffers: lengths of its links.
+            r: (axis, node) m.
+            u: coordinates of what has a mass, m.
         """
         contacts, carriages, self._u = self._contacts, self._bodies.carriages, u
         if carriages.hauls["hangs"].any():  # they feel how far carriages press down the line below them

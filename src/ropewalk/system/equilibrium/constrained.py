@@ -87,7 +87,11 @@ def ways(potential: Any, shape: Array, inner: Integers | None = None) -> Array:
 
 
 def bring(potential: Any, shape: Array, rate: Array) -> tuple[Array, Array]:
-    """The shape next to one that has about the right lengths at which it has, and rates (unknown,) that keep these."""
+    """The shape next to one that has about the right lengths at which it has, and rates (unknown,) that keep these.
+
+    Raises:
+        EquilibriumError: there is none.
+    """
     (links, h), out = links_of(potential.structure), shape.copy()
     enough = float(h.max()) * max(1e-14 * float(h.max()), _ROUNDINGS * float(np.spacing(potential.size)))
     for _ in range(_ROUNDS):
@@ -102,7 +106,8 @@ def bring(potential: Any, shape: Array, rate: Array) -> tuple[Array, Array]:
 def settle(potential: Any, start: Array) -> Array:
     """The rest next to a shape of a potential energy (`statics.Potential`); notes the tensions there.
 
-    Raises EquilibriumError: there is none.
+    Raises:
+        EquilibriumError: there is none.
     """
     structure, buffers = potential.structure, potential.buffers
     links, h = links_of(structure)

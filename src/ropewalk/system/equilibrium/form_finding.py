@@ -38,7 +38,8 @@ class _Hanger:
 def formed(scenario: Scenario) -> Scenario:
     """A scenario with its hangers as lines of their own, found at rest without loads.
 
-    Raises EquilibriumError: there is no rest, or none in which the line below is as wanted.
+    Raises:
+        EquilibriumError: there is no rest, or none in which the line below is as wanted.
     """
     if not scenario.hangers:
         return scenario

@@ -120,6 +120,13 @@ def with_tensions(scenario: Scenario, build: Build) -> Assembled:
 
     Lines in one row answer to any of their lengths alike: these change together first, and one by one only as far as
     that leaves them about as they are drawn.
+
+    Args:
+        scenario: what is there.
+        build: makes the structure.
+
+    Raises:
+        EquilibriumError: there is no rest, or not with these tensions.
     """
     found = _Lengths(scenario, build)
     most, parts = _FAR * found.whole[found.at], scenario.parts

@@ -12,8 +12,10 @@ from ropewalk.system.elements.structure import Structure
 def named_part(structure: Structure, shape: Array, way: Array, places: tuple[int, ...]) -> str:
     """Return the line of the node that moves most with a change of a shape, and where it is.
 
-    `shape`, `way`: places of nodes and coordinates of loads, and their change, m; `places`: (axis, node) how many
-    places of nodes there are.
+    Args:
+        structure: whose part it is.
+        shape, way: places of nodes and coordinates of loads, and their change, m.
+        places: (axis, node) how many places of nodes there are.
     """
     count, far = int(np.prod(places)), np.abs(way)
     if far[:count].max(initial=0.0) < far[count:].max(initial=0.0):

@@ -28,7 +28,10 @@ def laid_over_saddles(
     Taut lines are stretched evenly along the shortest way over the saddles; others run over small sheaves at the
     crowns, at which they slip until tensions are equal, or along the shortest way where that fails.
 
-    `lengths`: of all lines without strain, m; `rest`: finds the shape at rest of lines over sheaves.
+    Args:
+        scenario: what is there.
+        lengths: of all lines without strain, m.
+        rest: finds the shape at rest of lines over sheaves.
     """
     lines = scenario.lines
     plain = scenario.model_copy(

@@ -71,8 +71,13 @@ class _Loaded(NamedTuple):
 class RestUnderForces(SlowMotion[_Loaded]):
     """A run without inertia: its layout, and its frames.
 
-    `until`: how long the histories of the loads are needed, s; raises RopewalkError: there is no rest without loads, or
-    a load begins beyond its line.
+    Args:
+        scenario: what is computed.
+        run_info: filled in.
+        until: how long the histories of the loads are needed, s.
+
+    Raises:
+        RopewalkError: there is no rest without loads, or a load begins beyond its line.
     """
 
     def __init__(self, scenario: Scenario, run_info: RunInfo, until: float) -> None:
@@ -167,7 +172,11 @@ class RestUnderForces(SlowMotion[_Loaded]):
         return np.array([wheel.mass for wheel in self._loading.wheels])[:, None] * self._lines.gravity
 
     def _refuse_passed(self, over: Over, at: Array, on: NDArray[np.bool_]) -> None:
-        """Refuse loads that have come to the other side of a sheave."""
+        """Refuse loads that have come to the other side of a sheave.
+
+        Raises:
+            EquilibriumError: one has.
+        """
         if not over:
             return
         own = np.array([wheel.on for wheel in self._loading.wheels])

@@ -20,8 +20,10 @@ _NEUTRAL = 1e-12  # of the largest stiffness, where a part has none
 def missed(rest: Any, friction: Array, slips: Array) -> tuple[Array, float]:
     """By how much more lines are pulled ahead of sheaves than friction bears, (sheave,) N, and the largest tension.
 
-    `friction`: (sheave,) coefficients; `slips`: (sheave,) 1 where lines slip ahead, -1 where back: there friction bears
-    all that it can; 0: what it must.
+    Args:
+        rest: `SplitRest` of the lines.
+        friction: (sheave,) coefficients.
+        slips: (sheave,) 1 where lines slip ahead, -1 where back: there friction bears all that it can; 0: what it must.
     """
     rest.potential.forces(rest.shape)
     out, largest = np.zeros(len(rest.sheaves)), 0.0

@@ -59,7 +59,15 @@ class SlowMotion(ABC, Generic[Rest]):
         return frame
 
     def slowly(self, positions: int, turn: float | None) -> Iterator[Frame]:
-        """Yield frames at equal steps of the load path until all loads have left or stopped, see `StaticEngine`."""
+        """Yield frames at equal steps of the load path, until all loads have left their lines or stopped.
+
+        Args:
+            positions: how many.
+            turn: rad, see `solve/following.py`.
+
+        Raises:
+            EquilibriumError: no load moves, or there is no equilibrium with the loads somewhere on their path.
+        """
         way = schedule(movers_of(self._carried, self._structure))
         for at in quasistatic_motion(self._rest, self._places, *way, positions, turn):
             yield self._doubted(self._frame(at.shape, at.path, at.t))

@@ -29,7 +29,9 @@ _LEAST, _FACTOR = 5.0, 5.0
 def softened(structure: Structure, load: float = 0.0) -> Iterator[Structure]:
     """Yield a structure with softer lines, ever stiffer; none where all are soft, or run over saddles (they pass them).
 
-    `structure`: whose lines these are; those that bend stay; `load`: N, of what stands on them.
+    Args:
+        structure: whose lines these are; those that bend stay.
+        load: N, of what stands on them.
     """
     runs, restraints = structure.runs, structure.restraints
     if structure.saddles is not None:
@@ -49,9 +51,13 @@ def stiffened(potential: Any, start: Array, load: float, way: Way) -> Iterator[A
     """Yield the equilibrium next to a shape of softer lines that have become as stiff as they are nearly.
 
     Args:
+        potential: `SystemPotential` of the structure.
         start: a shape, m.
         load: N, of what stands on the lines.
         way: of solving, see `solve/symmetric.py`.
+
+    Raises:
+        SearchBudgetError: that takes too long.
     """
     soft, near = copy(potential), start
     soft.approaches = lambda *_: iter(())

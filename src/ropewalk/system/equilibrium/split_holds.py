@@ -134,6 +134,7 @@ class SplitHolds:
             inner: numbers of contacts between the ends of their lines.
             weight: N, about the forces there.
             settle: finds the rest under level forces of all contacts, (contact,) N.
+            beside: tells of a rest at a contact.
 
         Raises:
             EquilibriumError: nothing holds one of them there, or there is no rest.

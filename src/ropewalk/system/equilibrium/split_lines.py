@@ -210,7 +210,11 @@ class SplitRest(NamedTuple):
 class SplitLines:
     """Lines without stiffness against bending that come to rest under forces and over sheaves.
 
-    `lengths`: of all lines without strain, m; `until`: how long histories are needed, s.
+    Args:
+        scenario: what is there; its loads do not count.
+        lengths: of all lines without strain, m.
+        until: how long histories are needed, s.
+        axes: names of the axes.
     """
 
     def __init__(self, scenario: Scenario, lengths: Mapping[str, float], until: float, axes: tuple[str, ...]) -> None:
@@ -235,6 +239,7 @@ class SplitLines:
         """Rest next to a shape, or to another rest.
 
         Args:
+            forces: on lines.
             near: None: as lines are drawn.
             t: s, in histories.
             rubs: whether lines rub at sheaves, from where they are; else they slip freely.
@@ -334,7 +339,8 @@ class SplitLines:
     def _split(self, forces: Sequence[LineForce], over: Over, near: LineShape | None, t: float) -> SplitRest:
         """Lines divided for forces and at sheaves, which are not at rest yet.
 
-        Raises EquilibriumError: a force is at a sheave, or there is no rest with lines as stiff as they are.
+        Raises:
+            EquilibriumError: a force is at a sheave, or there is no rest with lines as stiff as they are.
         """
         marks, at, mark = self._marks(forces, over)
         laid = lay(self._scenario, self._lengths, marks=marks, over=over, split=True)
@@ -384,7 +390,8 @@ class SplitLines:
     ) -> tuple[dict[str, list[float]], list[tuple[str, float]], list[int]]:
         """Where lines are divided for forces: where there is no node yet; lines, marks, and marks of forces.
 
-        Raises EquilibriumError: a force is at a sheave.
+        Raises:
+            EquilibriumError: a force is at a sheave.
         """
         marks: dict[str, list[float]] = {}
         at, found = list[tuple[str, float]](), list[int]()

@@ -42,6 +42,8 @@ class SystemStatics(SlowMotion[_RestShape]):
     """A run without inertia: its layout, and its frames.
 
     Args:
+        scenario: what is computed.
+        run_info: filled in.
         until: how long the histories of the loads are needed, s.
         space: whether there are three axes also for what stays in the plane.
 
@@ -84,7 +86,11 @@ class SystemStatics(SlowMotion[_RestShape]):
         return self._builder.node
 
     def at_rest_with_loads(self) -> Array:
-        """The shape at rest with the loads at their start, see `Potential`."""
+        """The shape at rest with the loads at their start, see `Potential`.
+
+        Raises:
+            EquilibriumError: there is none.
+        """
         return self._rest(0.0, None).places
 
     def _rest(self, t: float, near: _RestShape | None) -> _RestShape:

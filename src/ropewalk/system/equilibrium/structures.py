@@ -32,7 +32,13 @@ _AT, _MORE = 3e-4, 4
 def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None = None) -> Assembled:
     """The structure of a scenario, without its loads.
 
-    `until`: how long histories are needed, s; `axes`: names of the axes, if not those that the scenario needs.
+    Args:
+        scenario: what is there.
+        until: how long histories are needed, s.
+        axes: names of the axes, if not those that the scenario needs.
+
+    Raises:
+        EquilibriumError: its lines have no rest, or not with their tensions.
     """
     if scenario.overhead_lines:
         return overhead_lines_of(scenario, axes)
@@ -51,7 +57,11 @@ def structure_of(scenario: Scenario, until: float, axes: tuple[str, ...] | None 
 
 
 def rest_before_motion(scenario: Scenario, assembled: Assembled, gravity: Array) -> tuple[Structure, Array]:
-    """A structure without loads and places of its nodes (axis, node) in m at rest, or as drawn if none is needed."""
+    """A structure without loads and the places of its nodes (axis, node) in m at rest, or as drawn if none is needed.
+
+    Raises:
+        EquilibriumError: there is no rest, and motion does not begin with a stored instant.
+    """
     structure, near = assembled.structure, assembled.near
     with search(assembled.line):
         try:

@@ -58,7 +58,15 @@ def on_ends(scenario: Scenario) -> Scenario:
 
 
 def with_tracks(scenario: Scenario, assembled: Assembled) -> Assembled:
-    """The structure of a scenario with the sleepers of its tracks, if there are any."""
+    """The structure of a scenario with the sleepers of its tracks, if there are any.
+
+    Args:
+        scenario: what is there.
+        assembled: its lines.
+
+    Raises:
+        EquilibriumError: it has no rest.
+    """
     if not scenario.tracks:
         return assembled
     structure, near = assembled.structure, assembled.near.copy()
@@ -186,6 +194,7 @@ def _levelled(
     Args:
         structure: whose ties change.
         near: (axis, node) m, as drawn.
+        first: of the sleepers.
         above: (tie,) whether it is one of these.
         gravity: (axis,) m/s^2.
         within: whether only what stays in the plane needs to be stable.

@@ -30,7 +30,14 @@ _FOUND = 1e-9
 
 
 class Crabs:
-    """All loads on several lines before they move. `contacts`: records, changed."""
+    """All loads on several lines before they move.
+
+    Args:
+        scenario: what is there.
+        wheels: of all loads.
+        contacts: records, changed.
+        bodies: what has a mass.
+    """
 
     def __init__(self, scenario: Scenario, wheels: Sequence[ContactPoint], contacts: Any, bodies: Any) -> None:
         self._contacts, self._bodies = contacts, bodies
@@ -50,7 +57,11 @@ class Crabs:
     def reach(self, locate: Callable[[], object]) -> None:
         """Let wheels begin at places of their lines, as these are now, that are at their crab's place along x.
 
-        Raises EquilibriumError: a line does not come to that place.
+        Args:
+            locate: puts all contacts where they begin.
+
+        Raises:
+            EquilibriumError: a line does not come to that place.
         """
         contacts = self._contacts
         for own in self.each:
@@ -71,8 +82,13 @@ class Crabs:
     def roll(self, locate: Callable[[], object], settle: Callable[[], Any], state: SystemState) -> None:
         """Let wheels of crabs that rest with all loads roll until nothing pushes them along; something holds each crab.
 
-        `settle`: finds lines and loads at rest next to where they are; gives contacts there; raises EquilibriumError:
-        there is no such rest.
+        Args:
+            locate: puts all contacts where they begin.
+            settle: finds lines and loads at rest next to where they are; gives contacts there.
+            state: where they are.
+
+        Raises:
+            EquilibriumError: there is no such rest.
         """
         contacts = self._contacts
         if not self.each:
@@ -131,8 +147,10 @@ class Crabs:
 def stand_on_lines(wheels: Sequence[ContactPoint], contacts: Any, state: SystemState) -> None:
     """Put bodies on their lines, with the speeds that they begin with; crabs where their contacts are on average.
 
-    `contacts`: records, which are located; speeds of those that roll are noted; `state`: coordinates of bodies and
-    their velocities are changed.
+    Args:
+        wheels: in order.
+        contacts: records, which are located; speeds of those that roll are noted.
+        state: coordinates of bodies and their velocities are changed.
     """
     axes = state.r.shape[0]
     for wheel, contact in zip(wheels, contacts, strict=True):

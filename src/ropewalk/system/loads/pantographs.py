@@ -29,8 +29,12 @@ def with_pantographs(
 ) -> BodyArrays:
     """Bodies with the forces on the masses of pantographs, constant ones and those that change in time.
 
-    `places`: number of coordinates that are places of contacts; those of bodies come after them; `until`: how long
-    histories are needed, s.
+    Args:
+        bodies: all that have a mass.
+        scenario: what is there.
+        places: number of coordinates that are places of contacts; those of bodies come after them.
+        until: how long histories are needed, s.
+        sections: overhead lines at rest, by names.
     """
     rows, times, values, begin = list[tuple[int, int, int]](), list[Array](), list[Array](), 0
     force = bodies.force.copy()
@@ -76,8 +80,12 @@ def _histories(load: Pantograph, section: Section, until: float) -> tuple[Array,
 def stand_below(scenario: Scenario, contacts: Any, bodies: BodyArrays, places: int, state: SystemState) -> None:
     """Let pantographs begin below the lowest wire that they are at: level, touching it, no spring pressed.
 
-    `places`: number of coordinates that are places of contacts; `state`: coordinates of pantographs and their
-    velocities are changed.
+    Args:
+        scenario: what is there.
+        contacts: records, which are located.
+        bodies: all that have a mass.
+        places: number of coordinates that are places of contacts.
+        state: coordinates of pantographs and their velocities are changed.
     """
     axes = state.r.shape[0]
     for number, load, first in _each(scenario, bodies, places):

@@ -18,8 +18,13 @@ def place_payloads(
 ) -> None:  # fmt: skip
     """Place payloads below their trolleys as declared, and let them move along.
 
-    `state`: coordinates of payloads and their velocities are changed; `displaced`: only those with a position or an
-    angle of their own; others stay in equilibrium.
+    Args:
+        scenario: what is declared.
+        wheels: of the contacts.
+        contacts: records.
+        tethers: records of the ropes of payloads.
+        state: coordinates of payloads and their velocities are changed.
+        displaced: only those with a position or an angle of their own; others stay in equilibrium.
     """
     dim = state.r.shape[0]
     axes = ("x", "z") if dim == 2 else ("x", "y", "z")

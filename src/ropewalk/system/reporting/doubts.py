@@ -238,7 +238,12 @@ def judge_hauling_ropes(
 ) -> None:  # fmt: skip
     """Warn of hauling ropes that are slack, for they only pull, and of those that slip; doubt ropes that sag deeply.
 
-    `deep`: (instant, rope) largest weight of a span of each rope over its tension.
+    Args:
+        scenario: what is there.
+        run_info: notes what is found.
+        frames: what is judged.
+        hauled: carriages that ropes haul.
+        deep: (instant, rope) largest weight of a span of each rope over its tension.
     """
     own = [name for name, load in scenario.loads.items() if isinstance(load, Carriage) and load.haul is not None]
     for e, name in enumerate(own):
@@ -277,7 +282,12 @@ def _warn(run_info: RunInfo, path: Array, when: Any, what: str, so: str) -> None
 def doubt_struts(scenario: Scenario, run_info: RunInfo, on: Sequence[str], tension: Array, when: str) -> None:
     """Doubt inextensible lines that are pushed together: there they are bars, which fold as the mesh lets them.
 
-    `on`: (link,) names of the lines of links; `tension`: (link,) N.
+    Args:
+        scenario: what is there.
+        run_info: takes the doubts.
+        on: (link,) names of the lines of links.
+        tension: (link,) N.
+        when: in words.
     """
     rigid = [name for name, line in scenario.lines.items() if isinstance(line.law, Inextensible)]
     if not rigid:
@@ -296,7 +306,11 @@ def doubt_struts(scenario: Scenario, run_info: RunInfo, on: Sequence[str], tensi
 def doubt_slack(scenario: Scenario, run_info: RunInfo, on: Sequence[str], tension: Array) -> None:
     """Doubt shapes of lines without stiffness that nothing pulls at: without weight any other is as good.
 
-    `on`: (link,) names of the lines of links; `tension`: (link,) N, at rest.
+    Args:
+        scenario: what is there.
+        run_info: takes the doubts.
+        on: (link,) names of the lines of links.
+        tension: (link,) N, at rest.
     """
     if scenario.gravity != 0.0:
         return

@@ -89,8 +89,13 @@ class SystemNote(NamedTuple):
 class FrameBuilder:
     """What builds frames; the energy at the first one of a motion is the origin of its audit.
 
-    `windy`: whether wind bears some of the weight, as foundations do; `cut`: runs behind whose last node a line is cut
-    on the way: a link of no length lies there before.
+    Args:
+        assembled: what frames are of.
+        loading: its loads.
+        bodies: what has a mass of these.
+        windy: whether wind bears some of the weight, as foundations do.
+        path: leading dimension of the result.
+        cut: runs behind whose last node a line is cut on the way: a link of no length lies there before.
     """
 
     def __init__(
@@ -164,7 +169,9 @@ class FrameBuilder:
     def build(self, at: SystemNote, *, still: float | None = None) -> Frames:
         """The frames of what has been noted.
 
-        `at`: of some instants, `Note.together`; their forces are known; `still`: of a rest, its load path in m.
+        Args:
+            at: of some instants, `Note.together`; their forces are known.
+            still: of a rest, its load path in m.
         """
         tension = self._axial_force(at)
         reading = beyond_kinks(at.contacts, tension, self.assembled.structure)
@@ -307,7 +314,10 @@ class FrameBuilder:
     def _contacts(self, at: SystemNote, tension: Array, beyond: Array) -> Contacts:
         """What is told of contacts: those on their lines, one after the other, are looked at together.
 
-        `tension`: of links by their first node, (instant, node) N, as friction sees it.
+        Args:
+            at: what is noted.
+            tension: of links by their first node, (instant, node) N, as friction sees it.
+            beyond: as read beyond the kinks.
         """
         runs, dim = self.assembled.structure.runs, at.r.shape[1]
         seen = Contacts(*at.contacts.shape, dim)

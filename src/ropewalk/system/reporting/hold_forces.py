@@ -32,7 +32,11 @@ _BESIDE = 1.5
 def beside(contacts: Any, runs: Runs, tension: Array, begin: Integers) -> Array:
     """Tensions behind and ahead of contacts, (contact, 2) N, where their lines are as beyond the kinks.
 
-    `tension`: of links, N; `begin`: (contact,) where in that the links begin among which each is.
+    Args:
+        contacts: records.
+        runs: of their lines.
+        tension: of links, N.
+        begin: (contact,) where in that the links begin among which each is.
     """
     run = contacts["run"]
     link = np.floor(contacts["x"][:, None] + np.array([-_BESIDE, _BESIDE])).astype(np.int64)
@@ -53,7 +57,12 @@ class FrictionDemand(NamedTuple):
 
         What it takes to move one along its line is the change of all energy, its kink turns with it.
 
-        `s`: (contact,) m; `both`: (contact, 2) N, tensions beside them.
+        Args:
+            contacts: records.
+            structure: what they stand on.
+            s: (contact,) m.
+            both: (contact, 2) N, tensions beside them.
+            axes: of space.
         """
         runs, run, pull = structure.runs, contacts["run"], both.sum(axis=1)
         N, way = contacts["N"][:, :axes], contacts["along"][:, :axes]
@@ -95,7 +104,9 @@ class HoldForces:
     Args:
         kind: (contact,) CLAMPED, FRICTIONLESS, COULOMB or DRAGGED.
         ahead: (contact,) +1 or -1, the direction of travel.
+        structure: what they stand on.
         tension: of its links, N, as they are found.
+        axes: of space.
     """
 
     def __init__(self, kind: Integers, ahead: Array, structure: Structure, tension: Array, axes: int) -> None:
@@ -107,6 +118,9 @@ class HoldForces:
         Args:
             contacts: records, changed.
             s: (contact,) m, where they are on their lines.
+            on: numbers of those on their lines.
+            settle: finds the rest next to a shape.
+            shape: with the forces that contacts hold now.
 
         Raises:
             EquilibriumError: nothing holds one of them there, or there is no rest.

@@ -10,7 +10,12 @@ from ropewalk.system.elements.structure import Sheaves, Structure
 
 
 class StickingFriction:
-    """What friction bears that holds a structure about its rest. `rest`: (axis, node) m."""
+    """What friction bears that holds a structure about its rest.
+
+    Args:
+        structure: with all its geometry.
+        rest: (axis, node) m.
+    """
 
     def __init__(self, structure: Structure, rest: Array) -> None:
         self._saddles, self._stuck = structure.saddles, structure.saddles.stuck(rest) if structure.saddles else []
@@ -25,7 +30,9 @@ class StickingFriction:
     def rubbed(self, force: Array, x: Array) -> tuple[Array, bool]:
         """Forces on all places with those of the friction on saddles, N, and whether it bears less than that asks for.
 
-        `x`: (place,) m, from rest.
+        Args:
+            force: of all else, with inertia.
+            x: (place,) m, from rest.
         """
         left, slips, n = force.reshape(self._axes, -1).copy(), False, force.size // self._axes
         for e, i, way in self._stuck:

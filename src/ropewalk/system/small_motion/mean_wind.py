@@ -29,9 +29,14 @@ class RestInWind:
     """A structure where it rests in the mean wind.
 
     Args:
+        structure: with all its geometry.
         calm: (axis, node) m, at rest in calm air.
+        speed: of the wind.
         until: end of the run, s.
         within: whether only what stays in the plane needs to be stable.
+
+    Raises:
+        EquilibriumError: there is no such rest.
     """
 
     def __init__(self, structure: Structure, calm: Array, speed: MeanSpeed, until: float, *, within: bool) -> None:
@@ -52,7 +57,10 @@ class RestInWind:
     def doubt_start(self, K: sparse.csc_matrix, free: sparse.csr_matrix, run_info: RunInfo) -> None:
         """Doubt a run that begins, in calm air, farther from its rest than linear theory reaches.
 
-        `K`: (unknown, unknown) N/m, about the rest in the wind; `free`: (place, unknown), places moved by unknowns.
+        Args:
+            K: (unknown, unknown) N/m, about the rest in the wind.
+            free: (place, unknown), places moved by unknowns.
+            run_info: of the run.
         """
         known = -free @ np.asarray(scipy.sparse.linalg.spsolve(K, free.T @ self.pushed)).reshape(-1)
         missed, way = (float(np.abs(part).max(initial=0.0)) for part in (known - self.moved, self.moved))
@@ -85,7 +93,9 @@ class RestInWind:
 def unknowns_at(moved: Array, free: sparse.csr_matrix) -> Array:
     """Unknowns that are nearest to displacements of all places (place,) in m.
 
-    `free`: (place, unknown), places moved by unknowns.
+    Args:
+        moved: of the places.
+        free: (place, unknown), places moved by unknowns.
     """
     normal = (free.T @ free).tocsc()
     return np.asarray(scipy.sparse.linalg.spsolve(normal, free.T @ moved)).reshape(-1)

@@ -31,7 +31,11 @@ _ROUNDING = 1e-9  # of the largest pull at rest: no more than rounding pushes
 
 
 class TiesAboutRest:
-    """All ties of a structure, and which of them would have slackened or gripped. `rest`: (axis, node) m."""
+    """All ties of a structure, and which of them would have slackened or gripped.
+
+    Args:
+        rest: (axis, node) m.
+    """
 
     def __init__(self, ties: Ties, rest: Array, attached: Attached) -> None:
         self._way, length, self._longer = ties.look(rest)
@@ -47,7 +51,9 @@ class TiesAboutRest:
     def forces(self, x: Array, v: Array) -> tuple[Array, Array]:
         """Forces (tie,) and what each does to its second end (tie, axis), N.
 
-        `x`: (axis, node) m, from rest; `v`: m/s.
+        Args:
+            x: (axis, node) m, from rest.
+            v: m/s.
         """
         away, rate = np.asarray(self._parts @ x.T), np.asarray(self._parts @ v.T)
         along = (self._way * away).sum(axis=1)
@@ -75,7 +81,10 @@ class TiesAboutRest:
 class RestState:
     """A structure at rest without loads: its matrices, forces and energy to the second order.
 
-    `rest`: (axis, node) m; `pushed`: (place,) N, by the wind, in which it rests; None: in calm air.
+    Args:
+        structure: with all its geometry.
+        rest: (axis, node) m.
+        pushed: (place,) N, by the wind, in which it rests; None: in calm air.
     """
 
     def __init__(self, structure: Structure, rest: Array, pushed: Array | None = None) -> None:

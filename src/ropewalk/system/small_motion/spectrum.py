@@ -26,7 +26,13 @@ _AGAIN = 4  # rounds in which a kink and the tension that it makes find each oth
 def spectrum(scenario: Scenario, how_many: int | None = None, *, with_loads: bool = False) -> Spectrum:
     """Natural frequencies, damping ratios and shapes of cable runs and joints at rest, the lowest ones.
 
-    `with_loads`: whether the loads stand at their start; raises RopewalkError: there is no such rest.
+    Args:
+        scenario: what is there.
+        how_many: of the lowest modes.
+        with_loads: whether the loads stand at their start.
+
+    Raises:
+        RopewalkError: there is no such rest.
     """
     if not with_loads:
         scenario = scenario.model_copy(update={"loads": {}})
@@ -37,7 +43,8 @@ def spectrum(scenario: Scenario, how_many: int | None = None, *, with_loads: boo
 def spectrum_at(scenario: Scenario, t: float, how_many: int | None = None) -> Spectrum:
     """The same at an instant of a motion in s, everything frozen as it is then: loads stay where they stand.
 
-    Raises RopewalkError: the motion does not come to the instant.
+    Raises:
+        RopewalkError: the motion does not come to the instant.
     """
     times = np.array([0.0, t] if t > 0.0 else [0.0])
     moving = SystemMotion(scenario, run_info := RunInfo(), times, axes=("x", "y", "z"))

@@ -60,8 +60,14 @@ _LINKS = 0.5  # of a link, that contacts go in the longest step
 class Superposed:
     """A linear run: its layout, and its frames.
 
-    `times`: output instants in s, from 0; raises RopewalkError: there is no rest, or something resists nothing to the
-    first order.
+    Args:
+        scenario: what is computed.
+        run: its run.
+        times: output instants in s, from 0.
+        run_info: filled in.
+
+    Raises:
+        RopewalkError: there is no rest, or something resists nothing to the first order.
     """
 
     def __init__(self, scenario: Scenario, run: Linear, times: Array, run_info: RunInfo) -> None:
@@ -121,7 +127,11 @@ class Superposed:
         return self._builder.layout
 
     def frames(self) -> Iterator[Frame]:
-        """All frames. Raises RopewalkError: a load passes an end of its line that it must not pass."""
+        """All frames.
+
+        Raises:
+            RopewalkError: a load passes an end of its line that it must not pass.
+        """
         gusts = None if self._air is None else self._air.gusts
         motion = Superposition(self.modes, self._passing, self._bodies(), self.rest.shape[0], gusts)
         stretches = self._stretches()
