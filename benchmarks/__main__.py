@@ -17,7 +17,7 @@ TABLES = {
     "gate": "yardsticks of engines; --part: contacts, errors, agreement, steps, overhead, setup, processes",
     "many": "an overhead line at speeds and tensions, ropes by the thousand (--whole)",
     "mesh": "errors of meshes and their estimates", "output": "output instants and large results",
-    "scaling": "a sweep on more processes, simulated", "studio": "frames a second in a browser, memory (--minutes)",
+    "studio": "frames a second in a browser, memory (--minutes)",
     "throughput": "sweeps and a plain loop",
 }  # fmt: skip
 """What each module prints."""

@@ -36,7 +36,7 @@ from .cost import joined_ropes, rope
 from .nets import crossing
 from .overhead import motion_alone, reference
 from .problems import NEW, OLD, PROBLEMS, Problem, rms
-from .processes import processes
+from .processes import EXAMPLES, processes
 from .schemes import CORE, ROPES, SPLINES, Core, Scheme, Timing
 from .setup import setup
 
@@ -321,6 +321,7 @@ def timed(shape: Shape, rounds: int) -> Sequence[object]:
 
 def overhead() -> None:
     """Print the quantities of EN 50318:2002 with their ranges, and how much faster than real time motions are."""
+    sys.path.append(str(EXAMPLES.with_name("tests")))  # modules of tests import each other by their names
     from tests.overhead.test_en50318_2002 import HALF, RANGES, passage
 
     found = list[Sequence[object]]()

@@ -26,6 +26,8 @@ def rope(links: int = 40, axes: int = 2, run: RunProperties = ROPE, sag: float =
     """A rope that hangs between two held nodes, 1 % shorter than its links are long."""
     builder = Builder(axes)
     builder.fix(*builder.add_run(parabola(0.0, 0.99 * links * run.link_length, links, sag, axes), run))
+    if run.taut:
+        builder.fix(*range(links + 1), axes=range(axes - 1))
     return Bound(*builder.build())
 
 
@@ -65,6 +67,23 @@ def tripod(axes: int = 3, damping: float = 0.0, ties: bool = True) -> Bound:
         begin, held = builder.add_run(points, run)
         builder.fix(held)
         builder.join(begin, knot)
+    return Bound(*builder.build())
+
+
+def taut_lines(axes: int = 2, damping: float = 0.0) -> Bound:
+    """Two taut lines above each other, which move upwards only: droppers, masses, inner supports."""
+    builder, links = Builder(axes), 267
+    along = np.zeros((axes, links + 1))
+    along[0] = 0.5 * np.arange(links + 1)
+    run = RunProperties(0.5, 1.2, 0.0, bending_stiffness=20.0, tension=2e4, taut=True)
+    low, _ = builder.add_run(along, run)
+    along[-1] += 1.0
+    high, _ = builder.add_run(along, replace(run, tension=1.6e4))
+    builder.fix(*range(high + links + 1), axes=range(axes - 1))
+    builder.fix(low, low + links, high, high + 129, high + links - 1, high + links)
+    for k in range(10, links, 13):
+        builder.add_spring(low + k, high + k, SpringProperties(1e5, 0.997, damping, tension_only=True))
+        builder.add_mass(low + k, 0.2 * (k % 2))
     return Bound(*builder.build())
 
 
@@ -143,6 +162,29 @@ def net(
     return Bound(*builder.build(parts))
 
 
+def collected(kind: str = "taut", inner: int = 1, links: int = 40) -> Bound:
+    """Two taut strings of 10 m above each other, with springs between them and a body that presses on the lower one."""
+    builder, h = Builder(inner_steps=inner, samples=64, watched=[12]), 10.0 / links
+    for height in (0.0, 1.0):
+        if kind == "taut":
+            run = RunProperties(h, 0.5, 0.0, bending_stiffness=3.0, curved=False, tension=1000.0, taut=True)
+        else:
+            run = RunProperties(h / 1.01, 0.5, 1e5, bending_stiffness=3.0, curved=False)
+        first, last = builder.add_run(np.array([h * np.arange(links + 1), np.full(links + 1, height)]), run)
+        builder.fix(first, last)
+        builder.fix(*range(first, last + 1) if kind == "taut" else (), axes=[0])
+    for node in range(4, links, 8):
+        builder.add_spring(node, links + 1 + node, SpringProperties(800.0, 0.8))
+    ground, body = builder.add_node([2.1, -1.0], 0.0), builder.add_node([2.1, 0.02], 0.7)
+    builder.fix(ground)
+    builder.fix(body, axes=[0])
+    builder.add_spring(ground, body, SpringProperties(300.0, 1.1, 2.0))
+    builder.add_collector(0, body, 3000.0)
+    bound = Bound(*builder.build())
+    bound.state.velocity[0, [ground, body]] = bound.state.predicted[0, [ground, body]] = 12.0
+    return bound
+
+
 STRUCTURES = {
     "rope": rope, "rope in space": lambda: rope(axes=3, links=300),
     "straight links": lambda: rope(run=RunProperties(0.5, 1.0, 1e4, curved=False), links=133),
@@ -150,6 +192,10 @@ STRUCTURES = {
     "tension only": lambda: rope(run=RunProperties(0.5, 1.0, 1e4, tension_only=True), links=257),
     "bridge": bridge, "damped bridge in space": lambda: bridge(3, 30.0),
     "bridge under a force": lambda: bridge(force=-500.0), "tripod": tripod, "damped tripod": lambda: tripod(2, 5.0),
+    "plain bending": lambda: rope(run=RunProperties(0.5, 1.0, 1e4, 0.0, 30.0, curved=False), links=131),
+    "damped plain bending": lambda: rope(axes=3, run=RunProperties(0.5, 1.0, 1e4, 9.0, 30.0, curved=False)),
+    "taut lines": taut_lines, "collector": collected, "collector on plain links": lambda: collected("plain"),
+    "damped droppers in space": lambda: taut_lines(3, 40.0),
     "loads": loaded, "loads in space": lambda: loaded(3, RunProperties(0.5, 1.0, 1e4, 20.0, 40.0)),
     "loads on straight links": lambda: loaded(2, RunProperties(0.5, 1.0, 1e4, tension_only=True, curved=False)),
     "loads that share links": lambda: loaded(place=22.2),

@@ -120,7 +120,7 @@ struct Cursor {
 };
 
 struct Model {
-    I64 axes, nodes, viscous, runs, springs, bands, joints, contacts, parts;
+    I64 axes, nodes, viscous, runs, springs, bands, joints, contacts, collectors, parts;
     I64 stride;         // of arrays of nodes
     const I64* counts;  // of all dimensions
 #define DIMENSION(...)
@@ -132,7 +132,7 @@ struct Model {
     explicit Model(Arena arena) : counts(arena.header().counts) {
         axes = counts[AXES], nodes = counts[NODES], viscous = counts[VISCOUS];
         runs = counts[RUNS], springs = counts[SPRINGS], bands = counts[BANDS], joints = counts[JOINTS],
-        contacts = counts[CONTACTS], parts = counts[PARTS];
+        contacts = counts[CONTACTS], collectors = counts[COLLECTORS], parts = counts[PARTS];
         stride = stride_of(nodes);
         Cursor cursor(arena);
 #define DIMENSION(...)
@@ -159,6 +159,9 @@ struct State {
 #include "fields.def"
     }
 };
+
+// A node of a run that is like most of its inner ones.
+inline I64 typical_node(const State& s, I64 run) { return s.run_first[run] + (s.run_links[run] + 1) / 3; }
 
 struct Workspace {
 #define DIMENSION(...)

@@ -1,5 +1,6 @@
 #include "assembly.hpp"
 
+#include "collector.hpp"
 #include "contacts.hpp"
 #include "elements.hpp"
 
@@ -11,13 +12,16 @@ static void visit_elements(const Model& m, const State& s, Visit visit) {
     for (I64 r = 0; r < m.runs; r++) {
         Links p = links_of(m, r);
         const I64 first = s.run_first[r], last = first + s.run_links[r];
+        const Kind kind = kind_of(m, r);
         for (I64 i = first; i < last; i++) {
             p.begins = i == first, p.ends = i + 1 == last;
             const I64 nodes[] = {p.begins ? i : i - 1, i, i + 1, p.ends ? i + 1 : i + 2};
-            if (m.run_curved[r])
-                visit.template operator()<Curved<AXES>>(p, nodes);
-            else
-                visit.template operator()<Straight<AXES>>(p.axial, nodes + 1);
+            switch (kind) {
+                case Kind::STRAIGHT: visit.template operator()<Straight<AXES>>(p.axial, nodes + 1); break;
+                case Kind::CURVED: visit.template operator()<Curved<AXES>>(p, nodes); break;
+                case Kind::PLAIN: visit.template operator()<Plain<AXES, false>>(p, nodes); break;
+                case Kind::TAUT: visit.template operator()<Plain<AXES, true>>(p, nodes);
+            }
         }
     }
     for (I64 k = 0; k < m.springs; k++) {
@@ -35,11 +39,21 @@ static void visit_elements(const Model& m, const State& s, Visit visit) {
         }
     }
     visit_others<AXES>(m, s, visit);
+    visit_collectors<AXES>(m, s, [&](const Collector<AXES>& p, const I64* nodes, I64) {
+        visit.template operator()<Collector<AXES>>(p, nodes);
+    });
 }
 
 static void set_weights(const Model& m, double* forces) {
     for (I64 axis = 0; axis < m.axes; axis++)
         for (I64 i = 0; i < m.nodes; i++) forces[axis * m.nodes + i] = m.weight[axis * m.stride + i];
+    for (I64 axis = 0; axis < m.axes; axis++) {
+        for (I64 k = 0; k < m.springs; k++) {
+            const double steady = m.spring_steady[axis * stride_of(m.springs) + k];
+            forces[axis * m.nodes + m.spring_begin[k]] -= steady;
+            forces[axis * m.nodes + m.spring_end[k]] += steady;
+        }
+    }
 }
 
 template <int AXES>
@@ -100,6 +114,11 @@ struct Assembly {
         for (I64 axis = 0; axis < AXES; axis++)
             for (I64 i = axis * m.stride; i < axis * m.stride + m.nodes; i++)
                 energies[1] -= m.weight[i] * s.position[i];
+        for (I64 axis = 0; axis < AXES; axis++)
+            for (I64 k = 0; k < m.springs; k++)
+                energies[1] +=
+                    m.spring_steady[axis * stride_of(m.springs) + k] *
+                    (s.position[axis * m.stride + m.spring_begin[k]] - s.position[axis * m.stride + m.spring_end[k]]);
     }
 
     I64 entries() const {

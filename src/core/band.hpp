@@ -11,7 +11,7 @@ namespace RW_VARIANT {
 template <int AXES, bool VISCOUS, class S>
 inline void pull_nodes(const Model& m, const State& s, Workspace& w, const Axial<double>& p, I64 a, I64 b) {
     constexpr I64 COUNT = sizeof(S) / sizeof(double);
-    S c[AXES], rate[AXES], first[AXES];
+    S c[AXES], rate[AXES]{}, first[AXES];
     const auto difference = [&](const View<double>& of, I64 row) {
         return load<S>(of.at(row + b, COUNT)) - load<S>(of.at(row + a, COUNT));
     };

@@ -8,6 +8,7 @@ namespace RW_VARIANT {
 
 constexpr U64 SEAL = seal_of(TABLE);
 constexpr I64 LARGEST = 1ll << 31;
+constexpr I64 FEW = 8;  // links or more for each pulled node of a run: these are few
 
 bool complete(I64* counts) {
     counts[ONE] = 1, counts[SCRATCH] = SCRATCH_SIZE, counts[RECORD] = RECORD_SIZE;
@@ -84,6 +85,20 @@ static Finding check_runs(const Model& m, const State& s) {
             return {Fault::RUN, number_of_run_links, r};
         begin = s.run_first[r] + s.run_links[r] + 1;
         if (!m.viscous && m.axial_damping[r] > 0.0) return {Fault::UNDAMPED, number_of_axial_damping, r};
+    }
+    return {Fault::NONE, 0, 0};
+}
+
+// Nodes inside taut runs move along the last axis only.
+static Finding check_taut_runs(const Model& m, const State& s) {
+    for (I64 r = 0; r < m.runs; r++) {
+        for (I64 axis = 0; m.run_taut[r] && axis < m.axes - 1; axis++) {
+            for (I64 i = s.run_first[r] + 1; i < s.run_first[r] + s.run_links[r]; i++) {
+                const I64 at = axis * m.stride + i, entry = axis * m.nodes + i;
+                if (m.mobility[at] != 0.0) return {Fault::TAUT, number_of_mobility, entry};
+                if (s.velocity[at] != 0.0) return {Fault::TAUT, number_of_velocity, entry};
+            }
+        }
     }
     return {Fault::NONE, 0, 0};
 }
@@ -166,24 +181,63 @@ static Finding check_joints(const Model& m, const State& s, Workspace& w) {
     return {Fault::NONE, 0, 0};
 }
 
-// Whether all inner nodes of a run have the same mobility and weight, but for weights of the two next to each end.
-static bool is_uniform(const Model& m, const State& s, I64 run) {
-    const I64 first = s.run_first[run], links = s.run_links[run], middle = first + links / 2;
-    for (I64 row = 0; row < m.axes * m.stride; row += m.stride) {
-        for (I64 k = 1; k < links; k++) {
-            const bool is_near = k < 3 || k > links - 3;
-            if (m.mobility[row + first + k] != m.mobility[row + middle]) return false;
-            if (m.weight[row + first + k] != m.weight[row + middle] && !is_near) return false;
-        }
-    }
-    return true;
+// Whether a node has another mobility or weight than a second one.
+static bool differs(const Model& m, I64 i, I64 j) {
+    for (I64 row = 0; row < m.axes * m.stride; row += m.stride)
+        if (m.mobility[row + i] != m.mobility[row + j] || m.weight[row + i] != m.weight[row + j]) return true;
+    return false;
 }
-static bool has_end_loads(const Model& m, const State& s, I64 run) {
-    bool has = false;
-    visit_near_ends(s, run, [&](I64 i, I64 middle) {
-        for (I64 row = 0; row < m.axes * m.stride; row += m.stride) has |= m.weight[row + i] != m.weight[row + middle];
+
+// List the nodes inside runs that differ from the typical node of their run.
+static void find_odd_nodes(const Model& m, const State& s, Workspace& w) {
+    I64 count = 0;
+    for (I64 r = 0; r < m.runs; r++) {
+        const I64 first = s.run_first[r], typical = typical_node(s, r);
+        for (I64 i = first + 1; i < first + s.run_links[r]; i++)
+            if (differs(m, i, typical)) w.odd[count++] = i;
+        w.run_odd[r] = count;
+    }
+}
+
+// Find what else than links acts on nodes inside runs; where these are few they are listed.
+static void find_pulled_runs(const Model& m, const State& s, Workspace& w) {
+    for (I64 r = 0; r < m.runs; r++) w.run_pulled[r] = 0, w.run_damped[r] = m.axial_damping[r] > 0.0;
+    const auto pull = [&](I64 node, bool damps, I64 count) {
+        if (const I64 run = run_around(m, s, node); run >= 0) w.run_pulled[run] += count, w.run_damped[run] |= damps;
+    };
+    for (I64 k = 0; k < m.springs; k++) {
+        const bool damps = m.spring_damping[k] > 0.0;
+        pull(m.spring_begin[k], damps, 1), pull(m.spring_end[k], damps, 1);
+    }
+    for (I64 band = 0; band < m.bands; band++)
+        for (I64 k = 0; k < m.band_springs[band]; k++) {
+            pull(m.band_begin[band] + k, m.band_damping[band] > 0.0, m.nodes);
+            pull(m.band_end[band] + k, m.band_damping[band] > 0.0, m.nodes);
+        }
+    visit_others<2>(m, s, [&]<class E>(const auto&, const I64* nodes) {
+        for (int i = 0; i < E::UNKNOWNS / 2; i++) pull(nodes[i], true, 1);
     });
-    return has;
+    for (I64 k = 0; k < m.contacts; k++) {
+        I64 run = first_run_of(m, m.contact_run[k]);
+        for (; w.run_pulled[run] += m.nodes, goes_on(m, run); run++) continue;
+        pull(m.contact_body[k], false, m.nodes);
+    }
+    for (I64 r = 0; r < m.runs; r++) w.run_pulled[r] = w.run_damped[r] || FEW * w.run_pulled[r] > s.run_links[r];
+}
+
+// List the nodes on which springs and others act, but where a whole run is moved with their forces.
+static void find_kicked_nodes(const Model& m, const State& s, Workspace& w) {
+    w.kicks[0] = 0;
+    const auto list = [&](I64 node) {
+        const I64 run = run_around(m, s, node);
+        if (run < 0 || w.run_pulled[run] || w.force[node] != 0.0) return;
+        w.kicked[w.kicks[0]++] = node, w.force[node] = 1.0;
+    };
+    for (I64 k = 0; k < m.springs; k++) list(m.spring_begin[k]), list(m.spring_end[k]);
+    visit_others<2>(m, s, [&]<class E>(const auto&, const I64* nodes) {
+        for (int i = 0; i < E::UNKNOWNS / 2; i++) list(nodes[i]);
+    });
+    for (I64 i = 0; i < w.kicks[0]; i++) w.force[w.kicked[i]] = 0.0;
 }
 
 static void prepare(const Model& m, const State& s, Workspace& w) {
@@ -191,25 +245,11 @@ static void prepare(const Model& m, const State& s, Workspace& w) {
     for (I64 i = 0; i < m.parts * stride_of(SCRATCH_SIZE); i++) w.scratch[i] = 0.0;
     for (I64 part = 0; part < m.parts; part++) w.arrived[part * stride_of(1)] = 0;
     for (I64 band = 0; band < m.bands; band++) w.band_part[band] = part_of(m, s, band);
-    for (I64 r = 0; r < m.runs; r++) {
-        w.run_uniform[r] = is_uniform(m, s, r);
-        w.run_pulled[r] = w.run_loaded[r] = w.run_uniform[r] && has_end_loads(m, s, r);
-    }
+    find_odd_nodes(m, s, w);
+    find_pulled_runs(m, s, w);
+    find_kicked_nodes(m, s, w);
+    for (I64 k = 0; k < m.collectors; k++) w.collector_first[k] = m.collector_body[k];
     for (I64 i = 0; i < m.nodes; i++) w.link_kink[i] = 0.0, w.link_contacts[i] = 0;
-    const auto pull = [&](I64 node) {
-        if (const I64 run = run_around(m, s, node); run >= 0) w.run_pulled[run] = 1;
-    };
-    for (I64 k = 0; k < m.contacts; k++) {
-        I64 run = first_run_of(m, m.contact_run[k]);
-        for (; w.run_pulled[run] = 1, goes_on(m, run); run++) continue;
-        pull(m.contact_body[k]);
-    }
-    for (I64 k = 0; k < m.springs; k++) pull(m.spring_begin[k]), pull(m.spring_end[k]);
-    visit_others<2>(m, s, [&]<class E>(const auto&, const I64* nodes) {
-        for (int i = 0; i < E::UNKNOWNS / 2; i++) pull(nodes[i]);
-    });
-    for (I64 band = 0; band < m.bands; band++)
-        for (I64 k = 0; k < m.band_springs[band]; k++) pull(m.band_begin[band] + k), pull(m.band_end[band] + k);
 }
 
 Finding bind(const Blocks& blocks, const I64* bytes) {
@@ -227,6 +267,7 @@ Finding bind(const Blocks& blocks, const I64* bytes) {
     Workspace w(blocks.work);
     for (I64 i = 0; i < m.nodes; i++) w.force[i] = 0.0;
     if (const Finding found = check_runs(m, s); found.fault != Fault::NONE) return found;
+    if (const Finding found = check_taut_runs(m, s); found.fault != Fault::NONE) return found;
     if (const Finding found = check_springs(m); found.fault != Fault::NONE) return found;
     if (const Finding found = check_bands(m); found.fault != Fault::NONE) return found;
     if (const Finding found = check_parts(m); found.fault != Fault::NONE) return found;

@@ -16,6 +16,7 @@ enum class Fault : I64 {
     BAND,      // a band has no spring, leaves the nodes, its sides overlap, or the band before it begins behind it
     PART,      // the first part does not begin with the first run, or a part begins before the one before it
     UNDAMPED,  // a damper in a model without predicted velocities
+    TAUT,      // a node inside a taut run moves along another than the last axis
 };
 
 struct Finding {

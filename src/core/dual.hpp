@@ -97,5 +97,9 @@ template <int N>
 inline Dual<N> unless_below(const Dual<N>& test, double floor, const Dual<N>& x) {
     return test.value < floor ? Dual<N>(0.0) : x;
 }
+template <int N>
+inline Dual<N> if_below(const Dual<N>& test, double limit, const Dual<N>& x, const Dual<N>& y) {
+    return test.value < limit && -limit < test.value ? x : y;
+}
 
 }  // namespace RW_VARIANT

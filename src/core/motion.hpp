@@ -5,9 +5,11 @@
 #pragma once
 
 #include "band.hpp"
+#include "collector.hpp"
 #include "contacts.hpp"
 #include "elements.hpp"
 #include "sweep.hpp"
+#include "taut.hpp"
 #include "team.hpp"
 
 namespace RW_VARIANT {
@@ -20,57 +22,125 @@ struct Motion {
     const State& s;
     Workspace& w;
     const Team team;
+    I64 now = 0;  // number of the step of this call
 
+    // Springs and loads kick once in a step; runs and joints follow by the inner steps of the Model, if it has any.
     I64 advance(I64 steps, double dt, const volatile I32* stop, I64* done) {
+        const I64 inner = m.inner_steps[0] > 1 ? m.inner_steps[0] : 1;
+        const double part = inner > 1 ? dt / static_cast<double>(inner) : dt;
         for (*done = 0; *done < steps; ++*done) {
             if (team.leads()) w.halted[0] = *stop != 0;
-            if (team.leads() && !w.halted[0]) begin_step(dt);
-            team.meet();
-            if (w.halted[0]) return STOPPED;
-            for (I64 part = team.thread; part < m.parts; part += team.threads) sweep_part(dt, part);
-            team.meet();
-            if (team.leads()) end_step(dt);
+            if (team.leads() && !w.halted[0]) record(*done), begin_step(dt, part, inner);
+            for (I64 i = 0; i < inner; i++) {
+                if (team.leads() && !w.halted[0]) pull_bands(0, m.nodes, m.parts);
+                team.meet();
+                if (w.halted[0]) return STOPPED;
+                // behind the meeting: the first thread has ended the step before
+                const double kick = i == 0 ? s.lag[0] + 0.5 * part : part;
+                const Step step{kick, part, 0.5 * part / kick};
+                for (I64 k = team.thread; k < m.parts; k += team.threads) sweep_part(step, k);
+                team.meet();
+                if (team.leads()) move_rest(step);
+            }
+            if (team.leads()) end_step(dt, part, inner);
         }
         return !team.leads() || is_finite() ? DONE : DIVERGED;
     }
 
   private:
     // What concerns several parts, before any node is moved.
-    void begin_step(double dt) {
+    void begin_step(double dt, double part, I64 inner) {
+        const double kick = s.lag[0] + 0.5 * part, slow_kick = inner > 1 ? s.slow_lag[0] + 0.5 * dt : kick;
         pull_springs();
         add_others();
-        load_ends();
-        press_contacts(s.lag[0] + 0.5 * dt);
-        pull_bands(0, m.nodes, m.parts);
+        press_contacts(slow_kick);
+        press_collectors();
+        if (VISCOUS && inner > 1)
+            for (I64 i = 0; i < AXES * m.stride; i++) w.slow[i] = w.force[i];
+        kick_few(slow_kick);
+        if (inner > 1)
+            for (I64 i = 0; i < AXES * m.stride; i++) w.force[i] *= slow_kick / kick;
+    }
+
+    void end_step(double dt, double part, I64 inner) {
+        if (VISCOUS && inner > 1)
+            for (I64 i = 0; i < AXES * m.stride; i++) s.predicted[i] += (0.5 * dt * m.mobility[i]) * w.slow[i];
+        for (I64 k = 0; k < m.contacts; k++) s.contact_place[k] += dt * s.contact_speed[k];
+        s.time[0] += dt;
+        s.lag[0] = 0.5 * part, s.slow_lag[0] = 0.5 * dt;
     }
 
     // Runs of a part and the bands inside it.
-    void sweep_part(double dt, I64 part) {
-        const double kick = s.lag[0] + 0.5 * dt;
-        const Step step{kick, dt, 0.5 * dt / kick};
+    void sweep_part(const Step& step, I64 part) {
         const I64 last = part + 1 < m.parts ? m.part_run[part + 1] : m.runs;
         I64 band = 0;
         for (I64 run = m.part_run[part]; run < last; run++) {
             band = pull_bands(band, s.run_first[run] + s.run_links[run], part);
-            if (m.run_curved[run])
-                Sweep<AXES, VISCOUS, true>(m, s, w, step, run, part).run();
+            if (VISCOUS && w.run_damped[run])
+                move_run<VISCOUS>(step, run, part);
             else
-                Sweep<AXES, VISCOUS, false>(m, s, w, step, run, part).run();
+                move_run<false>(step, run, part);
         }
         pull_bands(band, m.nodes, part);
     }
 
     // Nodes between and beyond runs.
-    void end_step(double dt) {
-        const double kick = s.lag[0] + 0.5 * dt;
+    void move_rest(const Step& step) {
         join(w.force, true);
-        move_others(Step{kick, dt, 0.5 * dt / kick});
+        move_others(step);
         join(s.position, false);
         join(s.velocity, false);
         if constexpr (VISCOUS) join(s.predicted, false);
-        for (I64 k = 0; k < m.contacts; k++) s.contact_place[k] += dt * s.contact_speed[k];
-        s.time[0] += dt;
-        s.lag[0] = 0.5 * dt;
+    }
+
+    // What is at the begin of step i of a call, but for the forces of bodies, which are known in the step.
+    void record(I64 i) {
+        now = i;
+        if (i >= m.counts[SAMPLES]) return;
+        for (I64 k = 0; k < m.counts[WATCHED]; k++)
+            w.recorded_height[k * stride_of(m.counts[SAMPLES]) + i] = s.position[(AXES - 1) * m.stride + m.watched[k]];
+        for (I64 k = 0; k < m.collectors; k++) w.recorded_force[k * stride_of(m.counts[SAMPLES]) + i] = 0.0;
+    }
+
+    void press_collectors() {
+        for (I64 k = 0; k < m.collectors; k++) w.collector_first[k] = m.collector_body[k];
+        visit_collectors<AXES>(m, s, [&](const Collector<AXES>& p, const I64* nodes, I64 k) {
+            double x[Collector<AXES>::UNKNOWNS], f[Collector<AXES>::UNKNOWNS]{};
+            gather<Collector<AXES>, AXES>(s.position, m.stride, nodes, x);
+            Collector<AXES>::force(p, Context{s.time[0], 0.0}, x, x, f);
+            scatter<Collector<AXES>, AXES>(f, m.stride, nodes, w.force);
+            w.collector_first[k] = nodes[0];
+            const double push = -f[Collector<AXES>::UNKNOWNS - 1];
+            if (now < m.counts[SAMPLES]) w.recorded_force[k * stride_of(m.counts[SAMPLES]) + now] = push;
+        });
+    }
+
+    template <bool DAMPED>
+    void move_run(const Step& step, I64 run, I64 part) {
+        switch (kind_of(m, run)) {
+            case Kind::STRAIGHT: Sweep<AXES, DAMPED, Kind::STRAIGHT>(m, s, w, step, run, part).run(); break;
+            case Kind::CURVED: Sweep<AXES, DAMPED, Kind::CURVED>(m, s, w, step, run, part).run(); break;
+            case Kind::PLAIN: Sweep<AXES, DAMPED, Kind::PLAIN>(m, s, w, step, run, part).run(); break;
+            case Kind::TAUT: Taut<AXES, DAMPED>(m, s, w, step, run).run();
+        }
+    }
+
+    // Forces on nodes of runs where others than links act on few of them: these are kicked alone, and the run is moved
+    // as if nothing acted on it.
+    void kick_few(double kick) {
+        for (I64 i = 0; i < w.kicks[0]; i++) kick_node(kick, w.kicked[i]);
+        for (I64 k = 0; k < m.collectors; k++) kick_shared(kick, m.collector_run[k], w.collector_first[k], SHARED);
+    }
+    void kick_shared(double kick, I64 run, I64 node, I64 count) {
+        const I64 first = s.run_first[run], last = first + s.run_links[run];
+        for (I64 end = node + count; !w.run_pulled[run] && node < end; node++)
+            if (node > first && node < last) kick_node(kick, node);
+    }
+    void kick_node(double kick, I64 node) {
+        for (I64 at = node; at < AXES * m.stride; at += m.stride) {
+            s.velocity[at] += (kick * m.mobility[at]) * w.force[at];
+            w.force[at] = 0.0;
+        }
     }
 
     // Bands of a part, from this one on, that begin at a node or before it. Returns the next one.
@@ -94,6 +164,7 @@ struct Motion {
             for (I64 j = 0; j < count; j++) p.floor[j] = floor_of(m.spring_tension_only[k + j]);
             Straight<AXES>::template resist<VISCOUS>(p, c, rate, pull);
             for (int axis = 0; axis < AXES; axis++) {
+                pull[axis] -= load<Vector>(m.spring_steady.at(axis * stride_of(m.springs) + k, WIDTH));
                 for (I64 j = 0; j < count; j++) {
                     w.force[axis * m.stride + m.spring_begin[k + j]] += pull[axis][j];
                     w.force[axis * m.stride + m.spring_end[k + j]] -= pull[axis][j];
@@ -118,17 +189,6 @@ struct Motion {
             E::force(p, Context{s.time[0], 0.0}, x, v, f);
             scatter<E, AXES>(f, m.stride, nodes, w.force);
         });
-    }
-
-    // What nodes next to ends of runs weigh more than the others there.
-    void load_ends() {
-        for (I64 run = 0; run < m.runs; run++) {
-            if (!w.run_loaded[run]) continue;
-            visit_near_ends(s, run, [&](I64 i, I64 middle) {
-                for (I64 row = 0; row < AXES * m.stride; row += m.stride)
-                    w.force[row + i] += m.weight[row + i] - m.weight[row + middle];
-            });
-        }
     }
 
     // Find all contacts, and add their forces to those on nodes.

@@ -76,15 +76,6 @@ inline void weigh(const Cell& cell, const S& x, S* weight) {
     for (int i = 0; i < 6; i++) add_control(cell, cell.link - 2 + i, basis[i], weight);
 }
 
-// Call visit(node, middle) for the inner nodes of a run next to its ends, two at each, and a node in the middle.
-inline void visit_near_ends(const State& s, I64 run, auto visit) {
-    const I64 first = s.run_first[run], links = s.run_links[run];
-    for (I64 k = 1; k < links; k++) {
-        if (k == 3 && links > 5) k = links - 2;
-        visit(first + k, first + links / 2);
-    }
-}
-
 // Whether the line of a run goes on with the next one, and the first run of its line.
 inline bool goes_on(const Model& m, I64 run) { return m.run_continues[run] && run + 1 < m.runs; }
 inline I64 first_run_of(const Model& m, I64 run) {

@@ -75,8 +75,13 @@ inline void move_loaded(const Model& m, const State& s, Workspace& w, const Step
     move<AXES, VISCOUS>(m, s, step, Various{m}, i, force);
 }
 
-template <int AXES, bool VISCOUS, bool CURVED>
+// The nodes of a run that differ from the others.
+inline const I64* odd_of(const Workspace& w, I64 run) { return w.odd.data + (run > 0 ? w.run_odd[run - 1] : 0); }
+
+template <int AXES, bool VISCOUS, Kind KIND>
 struct Sweep {
+    static constexpr bool CURVED = KIND == Kind::CURVED, PLAIN = KIND == Kind::PLAIN;
+
     const Model& m;
     const State& s;
     Workspace& w;
@@ -84,12 +89,22 @@ struct Sweep {
     Links p;
     I64 part;
     I64 first, links;  // of the run
-    bool is_pulled, is_uniform;
+    bool is_pulled;
+    const I64* odd;  // the next of its nodes with a mobility or weight of their own
+    const I64* odd_end;
+    Uniform<AXES> others;  // of the others
 
     Sweep(const Model& model, const State& state, Workspace& work, const Step& step_, I64 run, I64 part_)
-        : m(model), s(state), w(work), step(step_), p(links_of(model, run)), part(part_) {
+        : m(model),
+          s(state),
+          w(work),
+          step(step_),
+          p(links_of(model, run)),
+          part(part_),
+          others(model, typical_node(state, run)) {
         first = s.run_first[run], links = s.run_links[run];
-        is_pulled = w.run_pulled[run], is_uniform = w.run_uniform[run];
+        is_pulled = w.run_pulled[run];
+        odd = odd_of(w, run), odd_end = w.odd.data + w.run_odd[run];
     }
 
     void run() {
@@ -120,6 +135,7 @@ struct Sweep {
             if (a == 0) clear(MOMENT, 0);
             if (ends) clear(MOMENT, n);
         } else {
+            if constexpr (PLAIN) find_moments(a, n, rest);
             find_forces(a, n);
         }
         if (a == 0) add_to_first_node();
@@ -133,50 +149,71 @@ struct Sweep {
         for (int axis = 0; axis < AXES; axis++) {
             row(PULL, axis)[-1] = 0.0;
             if constexpr (CURVED) row(BEND, axis)[0] = row(FAR, axis)[-1] = row(MOMENT, axis)[-1] = 0.0;
+            if constexpr (PLAIN) row(MOMENT, axis)[-1] = row(MOMENT, axis)[0] = 0.0;
         }
     }
     void clear(Row which, I64 k) {
         for (int axis = 0; axis < AXES; axis++) row(which, axis)[k] = 0.0;
     }
 
-    // Second differences of positions at nodes 1 ... count behind node a.
+    // Second differences of positions at nodes k, k + 1 ... behind node a.
+    Vector bend_at(int axis, I64 a, I64 k) const {
+        const double* const x = positions(axis, a) + k;
+        const Vector here = load<Vector>(x);
+        return (load<Vector>(x + 1) - here) - (here - load<Vector>(x - 1));
+    }
+    // The same at nodes 1 ... count.
     void find_bends(I64 a, I64 count) {
-        for (int axis = 0; axis < AXES; axis++) {
-            const double* const x = positions(axis, a);
-            double* const bend = row(BEND, axis);
-            for (I64 k = 1; k <= count; k += WIDTH) {
-                const Vector here = load<Vector>(x + k);
-                store(bend + k, (load<Vector>(x + k + 1) - here) - (here - load<Vector>(x + k - 1)));
-            }
-        }
+        for (int axis = 0; axis < AXES; axis++)
+            for (I64 k = 1; k <= count; k += WIDTH) store(row(BEND, axis) + k, bend_at(axis, a, k));
+    }
+    // Plain moments at nodes 1 ... n of a block, after which so many links follow its first node.
+    void find_moments(I64 a, I64 n, I64 rest) {
+        const double stiffness = plain_moment(p);
+        for (int axis = 1; axis < AXES; axis++)
+            for (I64 k = 1; k <= n; k += WIDTH) store(row(MOMENT, axis) + k, stiffness * bend_at(axis, a, k));
+        if (rest == n) clear(MOMENT, n);
     }
 
-    // Forces and moments of so many links behind node a.
+    // Forces and moments of so many links behind node a: with the series for small strains if all are small.
     void find_forces(I64 a, I64 count) {
-        for (I64 k = 0; k < count; k += WIDTH) {
-            Vector c[AXES], rate[AXES], near[AXES], far[AXES], pull[AXES], against_near[AXES], against_far[AXES];
-            for (int axis = 0; axis < AXES; axis++) {
-                const double* const x = positions(axis, a) + k;
-                c[axis] = load<Vector>(x + 1) - load<Vector>(x);
-                if constexpr (VISCOUS) {
-                    const double* const v = s.predicted.at(axis * m.stride + first + a + k, WIDTH + 1);
-                    rate[axis] = load<Vector>(v + 1) - load<Vector>(v);
-                }
-                if constexpr (CURVED) {
-                    near[axis] = load<Vector>(row(BEND, axis) + k);
-                    far[axis] = load<Vector>(row(BEND, axis) + k + 1);
-                }
+        const Links links = p;  // in registers
+        Vector largest{};
+        I64 k = 0;
+        for (; k + WIDTH <= count; k += WIDTH) largest = larger(largest, find_forces_at<true>(links, a, k));
+        bool are_small = true;
+        for (I64 i = 0; i < WIDTH; i++) are_small &= largest[i] < SMALL;
+        if (!are_small) k = 0;
+        for (; k < count; k += WIDTH) find_forces_at<false>(links, a, k);
+    }
+    // Of links k, k + 1 ... of the block; returns by how much their squared lengths are off 1.
+    template <bool SURE>
+    Vector find_forces_at(const Links& p, I64 a, I64 k) {
+        Vector c[AXES], rate[AXES]{}, near[AXES], far[AXES], pull[AXES], against_near[AXES], against_far[AXES], square;
+        for (int axis = 0; axis < AXES; axis++) {
+            const double* const x = positions(axis, a) + k;
+            c[axis] = load<Vector>(x + 1) - load<Vector>(x);
+            if constexpr (VISCOUS) {
+                const double* const v = s.predicted.at(axis * m.stride + first + a + k, WIDTH + 1);
+                rate[axis] = load<Vector>(v + 1) - load<Vector>(v);
             }
-            if constexpr (CURVED)
-                Curved<AXES>::template resist<VISCOUS>(p, c, rate, near, far, pull, against_near, against_far);
-            else
-                Straight<AXES>::template resist<VISCOUS>(p.axial, c, rate, pull);
-            for (int axis = 0; axis < AXES; axis++) {
-                store(row(PULL, axis) + k, pull[axis]);
-                if constexpr (CURVED) store(row(NEAR, axis) + k, against_near[axis]);
-                if constexpr (CURVED) store(row(FAR, axis) + k, against_far[axis]);
+            if constexpr (CURVED) {
+                near[axis] = load<Vector>(row(BEND, axis) + k);
+                far[axis] = load<Vector>(row(BEND, axis) + k + 1);
             }
         }
+        if constexpr (CURVED)
+            square =
+                Curved<AXES>::template resist<VISCOUS, SURE>(p, c, rate, near, far, pull, against_near, against_far);
+        else
+            square = Straight<AXES>::template resist<VISCOUS, SURE>(p.axial, c, rate, pull);
+        for (int axis = 0; axis < AXES; axis++) {
+            store(row(PULL, axis) + k, pull[axis]);
+            if constexpr (CURVED) store(row(NEAR, axis) + k, against_near[axis]);
+            if constexpr (CURVED) store(row(FAR, axis) + k, against_far[axis]);
+        }
+        const Vector off = square * p.axial.scale - 1.0;
+        return larger(off, -off);
     }
 
     // Of each node what acts against its second difference: parts of both of its links.
@@ -194,7 +231,7 @@ struct Sweep {
     S force(int axis, I64 k) const {
         const double* const t = row(PULL, axis) + k;
         const S pulled = load<S>(t) - load<S>(t - 1);
-        if constexpr (!CURVED) return pulled;
+        if (!CURVED && !(PLAIN && axis > 0)) return pulled;
         const double* const moment = row(MOMENT, axis) + k;
         const S here = load<S>(moment);
         return pulled - ((load<S>(moment - 1) - here) + (load<S>(moment + 1) - here));
@@ -206,13 +243,13 @@ struct Sweep {
     void add_to_last_node(I64 n) {
         for (int axis = 0; axis < AXES; axis++) {
             double last = row(PULL, axis)[n - 1];
-            if constexpr (CURVED) last += row(MOMENT, axis)[n - 1];
+            if (CURVED || (PLAIN && axis > 0)) last += row(MOMENT, axis)[n - 1];
             w.force[axis * m.stride + first + links] -= last;
         }
     }
 
     template <class S>
-    void move_node(const auto& inertia, I64 a, I64 k) {
+    void move_node(const auto& inert, const Step& by, I64 a, I64 k) {
         S forces[AXES];
         for (int axis = 0; axis < AXES; axis++) {
             forces[axis] = force<S>(axis, k);
@@ -222,18 +259,18 @@ struct Sweep {
                 store(others, S{});
             }
         }
-        move<AXES, VISCOUS>(m, s, step, inertia, first + a + k, forces);
+        move<AXES, VISCOUS>(m, s, by, inert, first + a + k, forces);
     }
-    void move_nodes(I64 a, I64 begin, I64 end) {
-        if (is_uniform)
-            move_nodes(Uniform<AXES>(m, first + links / 2), a, begin, end);
-        else
-            move_nodes(Various{m}, a, begin, end);
-    }
-    void move_nodes(const auto& inertia, I64 a, I64 begin, I64 end) {
-        I64 k = begin;
-        for (; k + WIDTH <= end; k += WIDTH) move_node<Vector>(inertia, a, k);
-        for (; k < end; k++) move_node<double>(inertia, a, k);
+    void move_nodes(I64 a, I64 k, I64 end) {
+        const Uniform<AXES> inertia = others;  // in registers
+        const Step by = step;
+        while (k < end) {
+            const bool is_odd = odd != odd_end && *odd < first + a + end;
+            const I64 stop = is_odd ? *odd - first - a : end;
+            for (; k + WIDTH <= stop; k += WIDTH) move_node<Vector>(inertia, by, a, k);
+            for (; k < stop; k++) move_node<double>(inertia, by, a, k);
+            if (is_odd) odd++, move_node<double>(Various{m}, by, a, k++);
+        }
     }
 
     // What the next block needs of this one.
@@ -245,6 +282,8 @@ struct Sweep {
                 row(FAR, axis)[-1] = row(FAR, axis)[n - 1];
                 row(MOMENT, axis)[-1] = row(MOMENT, axis)[n - 1];
             }
+            if constexpr (PLAIN)
+                row(MOMENT, axis)[-1] = row(MOMENT, axis)[n - 1], row(MOMENT, axis)[0] = row(MOMENT, axis)[n];
         }
     }
 };

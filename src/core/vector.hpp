@@ -40,4 +40,13 @@ inline double unless_below(double test, double floor, double x) { return test < 
 inline Vector unless_below(Vector test, Vector floor, Vector x) { return test < floor ? Vector{} : x; }
 inline Vector unless_below(Vector test, double floor, Vector x) { return unless_below(test, Vector{} + floor, x); }
 
+inline Vector larger(Vector x, Vector y) { return x < y ? y : x; }
+
+// `x` where the size of `test` is below a limit, else `y`.
+inline double if_below(double test, double limit, double x, double y) { return test < limit && -limit < test ? x : y; }
+inline Vector if_below(Vector test, double limit, Vector x, Vector y) {
+    const Vector edge = Vector{} + limit;
+    return test < edge ? (-edge < test ? x : y) : y;
+}
+
 }  // namespace RW_VARIANT

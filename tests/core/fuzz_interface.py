@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from core_structures import bridge, loaded, loose, net, rope, tripod
+from core_structures import bridge, loaded, loose, net, rope, taut_lines, tripod
 from ropewalk.engine.bound import Bound
 from ropewalk.engine.builder import RunProperties
 from ropewalk.engine.library import library, variants
@@ -85,6 +85,8 @@ def main(path: str, seconds: float, seed: int) -> None:
         bridge(),
         bridge(3, 9.0, force=-50.0),
         tripod(),
+        taut_lines(),
+        taut_lines(3, 40.0),
         loaded(),
         loaded(3, RunProperties(0.5, 1.0, 1e4, 20.0, 40.0), 22.2),
         loose(damping=9.0),

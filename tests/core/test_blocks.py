@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from core_structures import STRUCTURES, bridge, net, rope
+from core_structures import STRUCTURES, bridge, net, rope, taut_lines
 from ropewalk.engine.bound import Bound
 from ropewalk.engine.library import library
 from ropewalk.engine.model import Block, dimensions, fields
@@ -20,6 +20,8 @@ SPOILT: list[tuple[str, Any, float, str]] = [
     ("weight", (1, 50), np.inf, "weight[1, 50] is inf"),
     ("link_length", 1, 0.0, "link_length[1] is 0.0; it holds positive numbers"),
     ("axial_stiffness", 2, -np.inf, "axial_stiffness[2] is -inf"),
+    ("run_taut", 2, 2, "run_taut[2] is 2; it holds 0 or 1"),
+    ("run_tension", 0, -1.0, "run_tension[0] is -1.0"),
     ("axial_damping", 0, 1.0, "axial_damping[0] is 1.0; a structure with dampers needs VISCOUS = NODES"),
     ("run_first", 0, -1, "run_first[0] is node -1; nodes are 0 to 50"),
     ("run_first", 1, 51, "run_first[1] is node 51; nodes are 0 to 50"),
@@ -52,6 +54,15 @@ def test_spoilt_entry_is_refused_by_name(name: str, entry: Any, value: float, me
     getattr(model if name in {each.name for each in fields() if each.part == "MODEL"} else state, name)[entry] = value
     with pytest.raises(RopewalkError, match=re.escape(message)):
         Bound(model, state)
+
+
+def test_nodes_inside_taut_runs_move_along_the_last_axis_only() -> None:
+    for name, message in (("mobility", r"mobility\[1, 20\] is 0.5; nodes inside a taut run"), ("velocity", "velocity")):
+        sound = taut_lines(3)
+        model, state = sound.model.copy(), sound.state.copy()
+        getattr(model if name == "mobility" else state, name)[1, 20] = 0.5
+        with pytest.raises(RopewalkError, match=message):
+            Bound(model, state)
 
 
 @pytest.mark.parametrize(("name", "entry", "value", "message"), [

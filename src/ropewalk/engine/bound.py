@@ -77,6 +77,30 @@ class Bound:
         state.freeze(indices=True)
         self._speed = 0.0  # steps per second
 
+    def record(self, steps: int, dt: float, variant: str | None = None) -> tuple[Array, Array]:
+        """Take steps, and return forces of collectors in N and heights of watched nodes in m before each.
+
+        Args:
+            steps: number of steps.
+            dt: step, s.
+            variant: instruction set; None: the best one of this processor.
+
+        Raises:
+            RopewalkError: the motion has ended before, or the structure records nothing.
+        """
+        if not self.model.sizes["SAMPLES"]:
+            raise RopewalkError("this structure records nothing; give its Builder samples")
+        forces, heights, work, taken, done = list[Array](), list[Array](), self.work, 0, ctypes.c_int64()
+        while taken < steps:
+            count = min(steps - taken, self.model.sizes["SAMPLES"])
+            outcome = self._call(0, 1, count, dt, variant, done)
+            if outcome:
+                raise RopewalkError(f"the motion has {get_args(Outcome)[outcome]} after {taken + done.value} steps")
+            forces.append(work.recorded_force[:, :count].copy())
+            heights.append(work.recorded_height[:, :count].copy())
+            taken += count
+        return np.concatenate(forces, axis=1), np.concatenate(heights, axis=1)
+
     def advance(self, steps: int, dt: float, variant: str | None = None, threads: int = 1) -> Advance:
         """Take steps of Verlet's method. Neither their division into calls nor threads make a difference to any bit.
 
@@ -92,26 +116,31 @@ class Bound:
         """
         if threads not in (1, parts := self.model.sizes["PARTS"]):
             raise RopewalkError(f"threads: {threads} for {parts} parts; use one, or one for each part")
-        number, done, taken = VARIANTS.index(variant or variants()[-1]), ctypes.c_int64(), 0
+        done, taken = ctypes.c_int64(), 0
         while taken < steps:
-            count = min(steps - taken, max(16, int(CALL * self._speed)))
             begin = perf_counter()
-            arguments = (threads, count, dt, ctypes.addressof(self.stop))
+            count = min(steps - taken, max(16, int(CALL * self._speed)))
             counts = [done, *(ctypes.c_int64() for _ in range(1, threads))]
-            calls = [(number, self._bases, k, *arguments, ctypes.addressof(each)) for k, each in enumerate(counts)]
-            others = [Thread(target=library().rw_advance, args=call) for call in calls[1:]]
+            calls = [(k, threads, count, dt, variant, each) for k, each in enumerate(counts)]
+            others = [Thread(target=self._call, args=call) for call in calls[1:]]
             for each in others:
                 each.start()
-            outcome = library().rw_advance(*calls[0])
+            outcome = self._call(*calls[0])
             for each in others:
                 each.join()
-            if outcome < 0:
-                raise RopewalkError(f"this processor does not run the variant {variant}; use {', '.join(variants())}")
             self._speed = done.value / max(perf_counter() - begin, 1e-9)
             taken += done.value
             if outcome:
                 return Advance(taken, get_args(Outcome)[outcome])
         return Advance(taken, "done")
+
+    def _call(self, thread: int, threads: int, steps: int, dt: float, variant: str | None, done: ctypes.c_int64) -> int:
+        """Call the core for one of some threads; return the number of the outcome."""
+        number, stop = VARIANTS.index(variant or variants()[-1]), ctypes.addressof(self.stop)
+        outcome = library().rw_advance(number, self._bases, thread, threads, steps, dt, stop, ctypes.addressof(done))
+        if outcome < 0:
+            raise RopewalkError(f"this processor does not run the variant {variant}; use {', '.join(variants())}")
+        return int(outcome)
 
     def forces(self, velocities: Array | None = None) -> Array:
         """Return the forces (axis, node) at the positions of the State, N, weights included.
@@ -125,6 +154,8 @@ class Bound:
 
     def velocities(self) -> Array:
         """Return the velocities (axis, node) at the instant of the positions, m/s."""
+        if self.model.inner_steps[0] > 1:
+            raise RopewalkError("velocities at the instant of the positions are not known with inner steps")
         lag, v = self.state.lag[0], self.state.velocity
         rates = self.state.predicted if self.model.sizes["VISCOUS"] else v
         gains = self.model.mobility * self._joined(self.forces(rates))
@@ -199,6 +230,7 @@ _FAULTS = {
     "and bands are in the order of their lowest nodes",
     9: "is {value}; the first part begins at run 0, others at ascending runs",
     10: "is {value}; a structure with dampers needs VISCOUS = NODES",
+    11: "is {value}; nodes inside a taut run move along the last axis only, hold them along the others",
 }
 _ADMITTED = {
     "FINITE": "finite numbers", "NOT_NEGATIVE": "finite numbers that are not negative", "POSITIVE": "positive numbers",

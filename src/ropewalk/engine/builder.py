@@ -27,6 +27,8 @@ class RunProperties:
     bending_stiffness: float = 0.0
     tension_only: bool = False
     curved: bool = True
+    tension: float = 0.0
+    taut: bool = False
     continues: bool = False
     """Whether contacts pass from its end to the run that is added next."""
 
@@ -64,7 +66,15 @@ class FreePlayProperties:
 
 @dataclass
 class Builder:
-    """Collects the parts of a structure in space or in a vertical plane; the last axis is upwards."""
+    """Collects the parts of a structure in space or in a vertical plane; the last axis is upwards.
+
+    Args:
+        axes: 2 or 3.
+        gravity: m/s^2.
+        watched: nodes whose heights are recorded.
+        samples: steps that a call of the core records.
+        inner_steps: steps of runs in a step of springs and loads.
+    """
 
     axes: int = 2
     gravity: float = 9.81
@@ -75,6 +85,9 @@ class Builder:
     _fixed: dict[int, Array] = field(default_factory=dict)
     _runs: list[tuple[int, int, RunProperties]] = field(default_factory=list)
     _elements: dict[str, list[dict[str, Any]]] = field(default_factory=lambda: defaultdict(list))
+    watched: list[int] = field(default_factory=list)
+    samples: int = 0
+    inner_steps: int = 1
     _contacts: list[dict[str, Any]] = field(default_factory=list)
     _joints: list[tuple[int, int]] = field(default_factory=list)
 
@@ -94,7 +107,7 @@ class Builder:
             points: (axis, node) m.
             run: its properties.
         """
-        at = np.asarray(points, dtype=float)
+        at = np.array(points, dtype=float)
         masses = np.full(at.shape[1], run.line_mass * run.link_length)
         masses[[0, -1]] *= 0.5
         first = self._add(at, masses)
@@ -135,6 +148,16 @@ class Builder:
         bands = self._elements["band"]
         bands.append({"begin": begin, "end": end, "springs": springs} | asdict(spring))
         bands.sort(key=lambda band: min(band["begin"], band["end"]))  # the order of the runs that they reach first
+
+    def add_collector(self, run: int, body: int, stiffness: float) -> None:
+        """Let a node press on a run from below, where it is along the first axis.
+
+        Args:
+            run: number of the run, of straight or taut links, in the order they were added.
+            body: the node.
+            stiffness: of the contact, which does not pull, N/m.
+        """
+        self._elements["collector"].append({"run": run, "body": body, "stiffness": stiffness})
 
     def fix(self, *nodes: int, axes: Iterable[int] | None = None) -> None:
         """Prescribe velocities of nodes along some axes; None: all."""
@@ -189,7 +212,8 @@ class Builder:
         damped = any(each.axial_damping for *_, each in self._runs)
         damped |= any(each.get("damping", 0.0) > 0.0 for rows in self._elements.values() for each in rows)
         sizes = {"AXES": self.axes, "NODES": masses.size, "VISCOUS": masses.size * damped, "RUNS": len(self._runs),
-                 "JOINTS": len(self._joints), "CONTACTS": len(self._contacts), "PARTS": parts}  # fmt: skip
+                 "JOINTS": len(self._joints), "CONTACTS": len(self._contacts),
+                 "WATCHED": len(self.watched), "SAMPLES": self.samples, "PARTS": parts}  # fmt: skip
         sizes |= {f"{kind.upper()}S": len(rows) for kind, rows in self._elements.items()}
         model, state = Block("MODEL", sizes), Block("STATE", sizes)
         copies, originals = np.array(self._joints, dtype=np.int64).reshape(-1, 2).T
@@ -205,6 +229,7 @@ class Builder:
             raise RopewalkError(f"node {np.nonzero(massless)[1][0]} has no mass; give it one, or hold it")
         mobility = np.divide(1.0, masses, where=moves, out=np.zeros(points.shape))
         model.set(mobility=mobility, joint_copy=copies, joint_original=originals)
+        model.set(watched=np.array(self.watched, dtype=np.int64), inner_steps=[self.inner_steps])
         ends = self._end_masses(masses.size)
         np.add.at(ends, originals, ends[copies])
         ends[copies] = 0.0
@@ -234,7 +259,9 @@ class Builder:
         extra = np.zeros(nodes)
         for first, links, run in self._runs:
             parts = (1.0 / 18.0, 1.0 / 72.0) if run.bending_stiffness else (1.0 / 6.0, -1.0 / 24.0)
-            near, far = (part * run.line_mass * run.link_length * (run.curved and links > 1) for part in parts)
+            near, far = (
+                part * run.line_mass * run.link_length * (run.curved and not run.taut and links > 1) for part in parts
+            )
             for end, inwards in ((first, 1), (first + links, -1)):
                 extra[end] -= near + far
                 extra[end + inwards] += near

@@ -40,7 +40,8 @@ def find_equilibrium(bound: Bound, iterations: int = 200) -> SearchOutcome:
         at = bound.linearise()
         residual, stiffness = free.T @ at.forces.ravel(), (free.T @ at.stiffness @ free).tocsc()
         largest = float(np.abs(residual).max(initial=0.0))
-        if largest <= TOLERANCE * float(np.abs(at.forces).max()):
+        rounding = np.finfo(float).eps * (abs(at.stiffness) @ np.abs(state.position.ravel()))  # of positions
+        if largest <= max(TOLERANCE * float(np.abs(at.forces).max()), float(rounding.max())):
             stable = residual.size == 0 or _factor(stiffness, 0.0) is not None
             return SearchOutcome("found" if stable else "unstable", count, largest)
         if count == iterations or not _descend(bound, free, residual, stiffness):
