@@ -32,7 +32,8 @@ struct Motion {
         const I64 inner = m.inner_steps[0] > 1 ? m.inner_steps[0] : 1;
         const double part = inner > 1 ? dt / static_cast<double>(inner) : dt;
         for (*done = 0; *done < steps; ++*done) {
-            if (team.leads() && !(w.halted[0] = *stop != 0 || ended)) record(*done), begin_step(dt, part, inner);
+            if (team.leads()) w.halted[0] = *stop != 0 || ended;
+            if (team.leads() && !w.halted[0]) record(*done), begin_step(dt, part, inner);
             for (I64 i = 0; i < inner; i++) {
                 if (team.leads() && !w.halted[0]) pull_bands(0, m.nodes, m.parts);
                 team.meet();
