@@ -15,7 +15,7 @@ enum Dimension : I64 {
     DIMENSIONS
 };
 enum class Part : I64 { MODEL, STATE, WORK };
-enum class Values : I64 { FINITE, NOT_NEGATIVE, POSITIVE, FLAG, COUNT, NODE, RUN, OPTION };
+enum class Values : I64 { FINITE, NOT_NEGATIVE, POSITIVE, FLAG, FEW, COUNT, NODE, RUN, OPTION };
 
 // The table as text: what Python reads, and what the seal of every block is made of.
 constexpr char TABLE[] =

@@ -49,7 +49,8 @@ static Fault fault_of(const Field& field, const char* at, const I64* counts) {
     if (field.values == Values::NODE) return x >= 0 && x < counts[NODES] ? Fault::NONE : Fault::INDEX;
     if (field.values == Values::OPTION) return x >= -1 && x < counts[NODES] ? Fault::NONE : Fault::INDEX;
     if (field.values == Values::RUN) return x >= 0 && x < counts[RUNS] ? Fault::NONE : Fault::INDEX;
-    return x >= 0 && x <= (field.values == Values::FLAG ? 1 : LARGEST) ? Fault::NONE : Fault::VALUE;
+    const I64 most = field.values == Values::FLAG ? 1 : field.values == Values::FEW ? 1000 : LARGEST;
+    return x >= 0 && x <= most ? Fault::NONE : Fault::VALUE;
 }
 
 // The first entry of a block that its field does not admit.

@@ -256,8 +256,8 @@ _FAULTS = {
 }
 _ADMITTED = {
     "FINITE": "finite numbers", "NOT_NEGATIVE": "finite numbers that are not negative", "POSITIVE": "positive numbers",
-    "FLAG": "0 or 1", "COUNT": "whole numbers that are not negative", "NODE": "nodes", "RUN": "runs",
-    "OPTION": "nodes, or -1",
+    "FLAG": "0 or 1", "FEW": "whole numbers from 0 to 1000", "COUNT": "whole numbers that are not negative",
+    "NODE": "nodes", "RUN": "runs", "OPTION": "nodes, or -1",
 }  # fmt: skip
 
 
