@@ -194,7 +194,11 @@ struct Motion {
     void press_contacts(double kick) {
         using Element = Touch<AXES>;
         const Contacts<AXES> contacts{m, s, w};
-        contacts.find();
+        const bool shares = contacts.locate_all();
+        if (shares)
+            contacts.find_kinks(shares);
+        else
+            contacts.release(shares);
         for (I64 k = 0; k < m.contacts; k++) {
             Record& r = contacts.record(k);
             I64 nodes[Contacts<AXES>::NODES_OF];
@@ -202,7 +206,7 @@ struct Motion {
             contacts.nodes_of(r, m.contact_body[k], nodes);
             gather<Element, AXES>(s.position, m.stride, nodes, x);
             if constexpr (VISCOUS) gather<Element, AXES>(s.predicted, m.stride, nodes, v);
-            const auto all = Element::template answer<double>(r, x);
+            const auto all = shares ? Element::template answer<double>(r, x) : Element::find(r, x);
             Element::template apply<VISCOUS, double>(r, all, x, v, f);
             scatter<Element, AXES>(f, m.stride, nodes, w.force);
             Element::note(r, all, x);
