@@ -79,6 +79,8 @@ struct Contacts {
         r.run = run, r.length = h, r.speed = s.contact_speed[k], r.K = kept;
         for (I64 j = 0; j < BELOW; j++) r.others[j] = r.before[j] = r.own[j] = 0.0;
         r.state = Touching::YES;
+        const double ahead = kept + (s.contact_kink_change[k] + s.contact_kink_bend[k]);
+        if (ahead > 0.5 * kept) r.K = ahead;
         if (beyond > 0.0) {  // its kink grows straight over a quarter of a link
             r.state = kept > 0.0 && 4.0 * beyond < h ? Touching::LEFT : Touching::NO;
             place = place < 0.0 ? 0.0 : last;

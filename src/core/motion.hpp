@@ -222,7 +222,11 @@ struct Motion {
             s.contact_work[k] += 0.25 * (r.softer + s.contact_softer[k]) * (r.square - before);
         s.contact_bent[k] = r.state == Touching::YES ? r.square : -1.0;
         s.contact_softer[k] = r.softer;
-        if (r.state == Touching::YES) s.contact_kink[k] = r.K;
+        if (r.state != Touching::YES) return;
+        const double change = before >= 0.0 ? r.K - s.contact_kink[k] : 0.0;
+        s.contact_kink_bend[k] = change - s.contact_kink_change[k];
+        s.contact_kink_change[k] = change;
+        s.contact_kink[k] = r.K;
     }
 
     // Add values of copies to those of the original nodes and clear them, or give copies the values of the originals.

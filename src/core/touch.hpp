@@ -106,8 +106,8 @@ struct Touch {
     }
 
     // T of the links with this kink.
-    template <class S>
-    static S tension(const Record& r, const S* lengths, const S& K) {
+    template <class L, class S>
+    static S tension(const Record& r, const L* lengths, const S& K) {
         S sum{};
         for (int j = 0; j < BELOW; j++)
             if (r.part[j] > 0.0)
@@ -116,8 +116,8 @@ struct Touch {
     }
 
     // What is missing to K, and all that belongs to K. square: of the kink, or of the given force.
-    template <class S>
-    static S miss(const Record& r, const S* lengths, const S& square, const S& K, Solution<S>& found) {
+    template <class L, class S>
+    static S miss(const Record& r, const L* lengths, const L& square, const S& K, Solution<S>& found) {
         found.K = K, found.T = tension(r, lengths, K);
         found.rest = in_series(r.kink.compliance, bare_stiffness(r.kink, found.T));
         found.moving = r.kink.inertia == 0.0 ? found.rest.value : moving_stiffness(r.kink, found.T);
@@ -125,18 +125,16 @@ struct Touch {
         return r.has_body ? K - wanted : K - wanted / (found.moving * found.moving);
     }
 
-    // K and all that belongs to it by Newton's method from r.K. The last step, of at most 1e-8, is taken by derivatives
+    // K and all that belongs to it by Newton's method from r.K. The last step, of at most 3e-8, is taken by derivatives
     // in all numbers, which is right to rounding. `miss` rises with K.
     static Solution<double> solve(const Record& r, const double* lengths, double square) {
-        constexpr double SLACK = 5e5, FOUND = 1e-8;
+        constexpr double SLACK = 5e5, FOUND = 3e-8;
         constexpr int ROUNDS = 60;
         const double unit = r.length * r.length;
         double low = 0.0, high = SLACK * unit, K = square > 0.0 ? r.K : 0.0;
-        Dual<1> stretched[BELOW];
-        for (int j = 0; j < BELOW; j++) stretched[j] = lengths[j];
         for (int round = 0; round < ROUNDS && square > 0.0; round++) {
             Solution<Dual<1>> found;
-            const Dual<1> missing = miss(r, stretched, Dual<1>(square), Dual<1>(K, 0), found);
+            const Dual<1> missing = miss(r, lengths, square, Dual<1>(K, 0), found);
             const bool bears = r.has_body || found.moving.value > 0.0;
             (bears && missing.value >= 0.0 ? high : low) = K;
             double next = K - missing.value / missing.slope[0];
@@ -160,10 +158,10 @@ struct Touch {
         Solution<S> found;
         const S missing = miss(r, g.lengths, g.square, S(r.K), found);
         if constexpr (!__is_same(S, double)) {
-            Dual<1> stretched[BELOW];
+            double lengths[BELOW];
             Solution<Dual<1>> unused;
-            for (int j = 0; j < BELOW; j++) stretched[j] = g.lengths[j].value;
-            const double rise = miss(r, stretched, Dual<1>(g.square.value), Dual<1>(r.K, 0), unused).slope[0];
+            for (int j = 0; j < BELOW; j++) lengths[j] = g.lengths[j].value;
+            const double rise = miss(r, lengths, g.square.value, Dual<1>(r.K, 0), unused).slope[0];
             S slope = missing * (-1.0 / rise);
             slope.value = r.K;
             miss(r, g.lengths, g.square, slope, found);
