@@ -44,11 +44,13 @@ void visit_others(const Model& m, const State& s, Visit visit) {
 // Values (axis, node) of an array with rows of so many numbers at the nodes of an element.
 template <class E, int AXES>
 inline void gather(const auto& from, I64 stride, const I64* nodes, double* values) {
-    for (int i = 0; i < E::UNKNOWNS; i++) values[i] = from[i % AXES * stride + nodes[i / AXES]];
+    for (int axis = 0; axis < AXES; axis++)
+        for (int k = 0; k < E::UNKNOWNS / AXES; k++) values[k * AXES + axis] = from[axis * stride + nodes[k]];
 }
 template <class E, int AXES>
 inline void scatter(const double* values, I64 stride, const I64* nodes, const auto& to) {
-    for (int i = 0; i < E::UNKNOWNS; i++) to[i % AXES * stride + nodes[i / AXES]] += values[i];
+    for (int axis = 0; axis < AXES; axis++)
+        for (int k = 0; k < E::UNKNOWNS / AXES; k++) to[axis * stride + nodes[k]] += values[k * AXES + axis];
 }
 
 }  // namespace RW_VARIANT
