@@ -94,7 +94,8 @@ inline void weigh(const Cell& cell, double x, double* weight, double* first, dou
     if (cell.link < 3 || cell.link + 4 > cell.links) {
         Jet jets[SHARED];
         weigh(cell, Jet(x, 1.0, 0.0), jets);
-        for (int k = 0; k < SHARED; k++) weight[k] = jets[k].value, first[k] = jets[k].first, second[k] = jets[k].second;
+        for (int k = 0; k < SHARED; k++)
+            weight[k] = jets[k].value, first[k] = jets[k].first, second[k] = jets[k].second;
         return;
     }
     const double f = x - static_cast<double>(cell.link);
