@@ -113,8 +113,9 @@ def build(root: Path, folder: Path, *, checks: tuple[str, ...] = (), only: str =
     jobs = list[tuple[list[str], Path]]()
     names = [name for name in VARIANTS if name == "baseline" or "86" in tag or "amd" in tag]
     linked = sum(1 << number for number, name in enumerate(names) if only in ("", name))
-    for source, own in (("api", [f"-DRW_LINKED={linked}"]), ("assembly", []), ("bind", []), ("runtime", [])):
-        jobs.append(([str(root / "src" / "core" / f"{source}.cpp"), *own], objects / f"{source}.o"))
+    for source in ("api", "assembly", "bind", "runtime", "sheaves"):
+        words = [f"-DRW_LINKED={linked}"] if source == "api" else []
+        jobs.append(([str(root / "src" / "core" / f"{source}.cpp"), *words], objects / f"{source}.o"))
     for name, own in VARIANTS.items():
         if name in names and only in ("", name):
             words = [str(root / "src" / "core" / "variant.cpp"), f"-DRW_VARIANT={name}", *own]

@@ -162,6 +162,30 @@ def net(
     return Bound(*builder.build(parts))
 
 
+def over_sheaves(axes: int = 2, damping: float = 0.0, friction: float = 0.0, speed: float = 5.0) -> Bound:
+    """A rope that runs over two sheaves, of which the second hangs on a spring, between two masses."""
+    builder, run = Builder(axes), RunProperties(0.5, 1.0, 1e4, damping)
+    along = np.array([1.0, 0.0] if axes == 2 else [0.8, 0.6, 0.0])[:, None]
+    up = np.array([0.0] * (axes - 1) + [1.0])[:, None]
+    corner = 3.0 * along
+    begin, block, top = (builder.add_node(at[:, 0], 2.0) for at in (0.0 * up, corner, corner + 1.5 * up))
+    builder.fix(begin, top)
+    builder.add_spring(block, top, SpringProperties(2e3, 1.4, damping))
+    first, _ = builder.add_run(up * (0.5 * np.arange(-6, 1) - 0.3), run)
+    builder.add_run(along * (0.7 + 0.5 * np.arange(5)), run)
+    builder.add_sheave(begin, friction, 0.3)
+    _, last = builder.add_run(corner - up * (0.7 + 0.5 * np.arange(6)), run)
+    builder.add_sheave(block, friction, 0.3)
+    builder.add_mass(first, 2.0)
+    builder.add_mass(last, 3.0)
+    model, state = builder.build()
+    state.velocity[0, model.sheave_split] = -speed
+    for number, way in enumerate((up, along, -up)):
+        begin = state.run_first[number]
+        state.velocity[:, begin : begin + state.run_links[number] + 1] = speed * way
+    return Bound(model, state)
+
+
 def collected(kind: str = "taut", inner: int = 1, links: int = 40) -> Bound:
     """Two taut strings of 10 m above each other, with springs between them and a body that presses on the lower one."""
     builder, h = Builder(inner_steps=inner, samples=64, watched=[12]), 10.0 / links
@@ -192,6 +216,7 @@ STRUCTURES = {
     "tension only": lambda: rope(run=RunProperties(0.5, 1.0, 1e4, tension_only=True), links=257),
     "bridge": bridge, "damped bridge in space": lambda: bridge(3, 30.0),
     "bridge under a force": lambda: bridge(force=-500.0), "tripod": tripod, "damped tripod": lambda: tripod(2, 5.0),
+    "over sheaves": over_sheaves, "damped over sheaves in space": lambda: over_sheaves(3, 10.0),
     "plain bending": lambda: rope(run=RunProperties(0.5, 1.0, 1e4, 0.0, 30.0, curved=False), links=131),
     "damped plain bending": lambda: rope(axes=3, run=RunProperties(0.5, 1.0, 1e4, 9.0, 30.0, curved=False)),
     "taut lines": taut_lines, "collector": collected, "collector on plain links": lambda: collected("plain"),

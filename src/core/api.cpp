@@ -1,5 +1,6 @@
 // The interface of the core in plain C. Names begin with rw_; nothing is called back.
 #include "assembly.hpp"
+#include "sheaves.hpp"
 #include "variant.hpp"
 
 #ifndef RW_LINKED
@@ -78,7 +79,8 @@ RW_EXPORT I64 rw_bind(char* const* bases, const I64* bytes, I64* finding) {
 // Functions below return -1 if blocks have not been bound, or there is no such variant here.
 
 // Take steps of dt s as the only thread, or as one of as many as the structure has parts, which all call at once;
-// returns 0, 1 if `stop` was set and 2 if positions are no numbers any more.
+// returns 0, 1 if `stop` was set, 2 if positions are no numbers any more and 3 if a rope has come to its end at a
+// sheave.
 RW_EXPORT I64 rw_advance(I64 variant, char* const* bases, I64 thread, I64 threads, I64 steps, double dt,
                          const volatile I32* stop, I64* done) {
     if (!rw_has_variant(variant) || !baseline::are_bound(blocks_of(bases))) return -1;
@@ -97,6 +99,20 @@ RW_EXPORT I64 rw_energies(char* const* bases, double* energies) {
     if (!baseline::are_bound(blocks_of(bases))) return -1;
     baseline::sum_energies(blocks_of(bases), energies);
     return 0;
+}
+
+// Of each sheave: tension before and behind it, angle, largest friction (4, sheave).
+RW_EXPORT I64 rw_sheaves(char* const* bases, double* values) {
+    if (!baseline::are_bound(blocks_of(bases))) return -1;
+    baseline::evaluate_sheaves(blocks_of(bases), values);
+    return 0;
+}
+
+// Let nodes that are close to a sheave pass it, as a step does; returns how many did.
+RW_EXPORT I64 rw_pass(char* const* bases) {
+    if (!baseline::are_bound(blocks_of(bases))) return -1;
+    const I64 count = baseline::pass_nodes(bases);
+    return count < 0 ? 0 : count;
 }
 
 // Of contacts, at the positions of the State: (row, contact) of force on the run (axis), point of the load (axis), and

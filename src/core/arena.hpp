@@ -15,7 +15,7 @@ enum Dimension : I64 {
     DIMENSIONS
 };
 enum class Part : I64 { MODEL, STATE, WORK };
-enum class Values : I64 { FINITE, NOT_NEGATIVE, POSITIVE, FLAG, COUNT, NODE, RUN, OPTION };
+enum class Values : I64 { FINITE, NOT_NEGATIVE, POSITIVE, FLAG, FEW, COUNT, NODE, RUN, OPTION };
 
 // The table as text: what Python reads, and what the seal of every block is made of.
 constexpr char TABLE[] =
@@ -120,7 +120,7 @@ struct Cursor {
 };
 
 struct Model {
-    I64 axes, nodes, viscous, runs, springs, bands, joints, contacts, collectors, parts;
+    I64 axes, nodes, viscous, runs, springs, bands, joints, contacts, collectors, sheaves, parts;
     I64 stride;         // of arrays of nodes
     const I64* counts;  // of all dimensions
 #define DIMENSION(...)
@@ -132,7 +132,7 @@ struct Model {
     explicit Model(Arena arena) : counts(arena.header().counts) {
         axes = counts[AXES], nodes = counts[NODES], viscous = counts[VISCOUS];
         runs = counts[RUNS], springs = counts[SPRINGS], bands = counts[BANDS], joints = counts[JOINTS],
-        contacts = counts[CONTACTS], collectors = counts[COLLECTORS], parts = counts[PARTS];
+        contacts = counts[CONTACTS], collectors = counts[COLLECTORS], sheaves = counts[SHEAVES], parts = counts[PARTS];
         stride = stride_of(nodes);
         Cursor cursor(arena);
 #define DIMENSION(...)

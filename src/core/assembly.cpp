@@ -121,6 +121,16 @@ struct Assembly {
                     (s.position[axis * m.stride + m.spring_begin[k]] - s.position[axis * m.stride + m.spring_end[k]]);
     }
 
+    void at_sheaves(double* values) const {
+        visit_sheaves<AXES>(m, s, [&]<class E>(I64 q, const Pieces& p, const I64* nodes) {
+            double x[E::UNKNOWNS];
+            gather<E, AXES>(s.position, m.stride, nodes, x);
+            const AtSheave at = at_sheave<AXES>(p, m.sheave_friction[q], x);
+            values[q] = at.before, values[m.sheaves + q] = at.behind;
+            values[2 * m.sheaves + q] = at.angle, values[3 * m.sheaves + q] = at.most;
+        });
+    }
+
     I64 entries() const {
         I64 count = 0;
         visit([&]<class E>(const auto&, const I64*) { count += static_cast<I64>(E::UNKNOWNS) * E::UNKNOWNS; });
@@ -160,6 +170,10 @@ void add_forces(const Blocks& blocks, const double* velocities, double* forces) 
 
 void sum_energies(const Blocks& blocks, double* energies) {
     with_assembly(blocks, [&](const auto& all) { all.energies(energies); });
+}
+
+void evaluate_sheaves(const Blocks& blocks, double* values) {
+    with_assembly(blocks, [&](const auto& all) { all.at_sheaves(values); });
 }
 
 void evaluate_contacts(const Blocks& blocks, double* values) {

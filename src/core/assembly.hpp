@@ -10,6 +10,8 @@ namespace RW_VARIANT {
 void add_forces(const Blocks& blocks, const double* velocities, double* forces);
 // Energies, J: of elements, of weights.
 void sum_energies(const Blocks& blocks, double* energies);
+// Of each sheave: tension before and behind it, angle, largest friction (4, sheave).
+void evaluate_sheaves(const Blocks& blocks, double* values);
 // Of contacts (row, contact): force on the run, N, and point of the load, m, by axes; change of all energy with the
 // place, N.
 void evaluate_contacts(const Blocks& blocks, double* values);

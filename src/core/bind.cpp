@@ -49,7 +49,8 @@ static Fault fault_of(const Field& field, const char* at, const I64* counts) {
     if (field.values == Values::NODE) return x >= 0 && x < counts[NODES] ? Fault::NONE : Fault::INDEX;
     if (field.values == Values::OPTION) return x >= -1 && x < counts[NODES] ? Fault::NONE : Fault::INDEX;
     if (field.values == Values::RUN) return x >= 0 && x < counts[RUNS] ? Fault::NONE : Fault::INDEX;
-    return x >= 0 && x <= (field.values == Values::FLAG ? 1 : LARGEST) ? Fault::NONE : Fault::VALUE;
+    const I64 most = field.values == Values::FLAG ? 1 : field.values == Values::FEW ? 1000 : LARGEST;
+    return x >= 0 && x <= most ? Fault::NONE : Fault::VALUE;
 }
 
 // The first entry of a block that its field does not admit.
@@ -181,6 +182,99 @@ static Finding check_joints(const Model& m, const State& s, Workspace& w) {
     return {Fault::NONE, 0, 0};
 }
 
+// Call visit(node) for all nodes that anything but runs acts on.
+template <class Visit>
+static void visit_attached(const Model& m, const State& s, Visit visit) {
+    for (I64 k = 0; k < m.springs; k++) visit(m.spring_begin[k]), visit(m.spring_end[k]);
+    for (I64 band = 0; band < m.bands; band++)
+        for (I64 k = 0; k < m.band_springs[band]; k++) visit(m.band_begin[band] + k), visit(m.band_end[band] + k);
+    for (I64 j = 0; j < m.joints; j++) visit(m.joint_copy[j]), visit(m.joint_original[j]);
+    for (I64 q = 0; q < m.sheaves; q++) visit(m.sheave_node[q]);
+    for (I64 k = 0; k < m.contacts; k++) visit(m.contact_body[k]);
+    for (I64 k = 0; k < m.collectors; k++) visit(m.collector_body[k]);
+    visit_others<2>(m, s, [&]<class E>(const auto&, const I64* nodes) {
+        if constexpr (!__is_same(E, OverSheave<2>))
+            for (int i = 0; i < E::UNKNOWNS / 2; i++) visit(nodes[i]);
+    });
+}
+
+// Whether a node may pass a sheave: it is in a run next to it, and not where the rope has its other ends.
+static bool may_pass(const Model& m, const State& s, I64 node) {
+    for (I64 q = 0; q < m.sheaves; q++) {
+        const I64 run = m.sheave_run[q], end = s.run_first[run + 1] + s.run_links[run + 1];
+        if (node > s.run_first[run] && node < end) return true;
+    }
+    return false;
+}
+
+// Whether rows of an array have the same numbers at two nodes.
+static bool are_same(const Model& m, const View<const double>& of, I64 node, I64 other) {
+    for (I64 row = 0; row < m.axes * m.stride; row += m.stride)
+        if (of[row + node] != of[row + other]) return false;
+    return true;
+}
+
+// A rope is two runs of the same properties, whose nodes follow each other and are all the same, as they change places.
+static Finding check_rope(const Model& m, const State& s, I64 q) {
+    const I64 run = m.sheave_run[q], next = run + 1;
+    const Finding found{Fault::SHEAVE, number_of_sheave_run, q};
+    if (next >= m.runs || (q > 0 && m.sheave_run[q - 1] >= run)) return found;
+    const I64 last = s.run_first[run] + s.run_links[run], end = s.run_first[next] + s.run_links[next];
+    if (s.run_first[next] != last + 1 || !(m.axial_stiffness[run] > 0.0)) return found;
+    const auto differ = [&](const View<const double>& of) { return of[run] != of[next]; };
+    if (differ(m.link_length) || differ(m.axial_stiffness) || differ(m.axial_damping) || differ(m.line_mass))
+        return found;
+    if (m.run_tension_only[run] != m.run_tension_only[next] || m.run_taut[run] || m.run_taut[next]) return found;
+    for (I64 i = s.run_first[run] + 1; i < end; i++) {
+        if (!(m.mobility[i] > 0.0 && are_same(m, m.mobility, i, last))) return {Fault::SHEAVE, number_of_mobility, i};
+        if (!are_same(m, m.weight, i, last)) return {Fault::SHEAVE, number_of_weight, i};
+    }
+    return {Fault::NONE, 0, 0};
+}
+
+// The split is a node that nothing else uses, which moves along its first axis.
+static Finding check_split(const Model& m, const State& s, Workspace& w, I64 q) {
+    const I64 split = m.sheave_split[q];
+    const Finding found{Fault::SHEAVE, number_of_sheave_split, q};
+    if (w.force[split] != 0.0 || run_around(m, s, split) >= 0) return found;
+    for (I64 r = 0; r < m.runs; r++)
+        if (split == s.run_first[r] || split == s.run_first[r] + s.run_links[r]) return found;
+    for (I64 axis = 0; axis < m.axes; axis++) {
+        if (m.weight[axis * m.stride + split] != 0.0) return found;
+        if (axis > 0 && m.mobility[axis * m.stride + split] != 0.0) return found;
+    }
+    const double x = s.position[split];
+    if (!(x > 0.0 && x < 2.0 * m.link_length[m.sheave_run[q]])) return {Fault::SHEAVE, number_of_position, split};
+    w.force[split] = 2.0;
+    return {Fault::NONE, 0, 0};
+}
+
+// Splits are marked in the Workspace, as copies are.
+static Finding check_sheaves(const Model& m, const State& s, Workspace& w) {
+    for (I64 q = 0; q < m.sheaves; q++) {
+        if (const Finding found = check_rope(m, s, q); found.fault != Fault::NONE) return found;
+        if (const Finding found = check_split(m, s, w, q); found.fault != Fault::NONE) return found;
+    }
+    for (I64 q = 0; q < m.sheaves; q++)
+        if (w.force[m.sheave_node[q]] != 0.0) return {Fault::SHEAVE, number_of_sheave_node, q};
+    I64 used = -1;
+    visit_attached(m, s, [&](I64 node) {
+        used = used < 0 && node >= 0 && (may_pass(m, s, node) || w.force[node] == 2.0) ? node : used;
+    });
+    for (I64 k = 0; k < m.contacts; k++) {
+        I64 run = first_run_of(m, m.contact_run[k]);
+        for (bool goes = true; goes; goes = goes_on(m, run), run++)
+            for (I64 q = 0; q < m.sheaves; q++)
+                if (run == m.sheave_run[q] || run == m.sheave_run[q] + 1)
+                    return {Fault::SHEAVE, number_of_contact_run, k};
+    }
+    for (I64 k = 0; k < m.collectors; k++)
+        for (I64 q = 0; q < m.sheaves; q++)
+            if (m.collector_run[k] == m.sheave_run[q] || m.collector_run[k] == m.sheave_run[q] + 1)
+                return {Fault::SHEAVE, number_of_collector_run, k};
+    return used < 0 ? Finding{Fault::NONE, 0, 0} : Finding{Fault::SHEAVE, number_of_mobility, used};
+}
+
 // Whether a node has another mobility or weight than a second one.
 static bool differs(const Model& m, I64 i, I64 j) {
     for (I64 row = 0; row < m.axes * m.stride; row += m.stride)
@@ -272,6 +366,7 @@ Finding bind(const Blocks& blocks, const I64* bytes) {
     if (const Finding found = check_bands(m); found.fault != Fault::NONE) return found;
     if (const Finding found = check_parts(m); found.fault != Fault::NONE) return found;
     if (const Finding found = check_joints(m, s, w); found.fault != Fault::NONE) return found;
+    if (const Finding found = check_sheaves(m, s, w); found.fault != Fault::NONE) return found;
     prepare(m, s, w);
     blocks.work.header().is_bound = 1;
     return {Fault::NONE, 0, 0};

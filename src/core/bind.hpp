@@ -17,6 +17,7 @@ enum class Fault : I64 {
     PART,      // the first part does not begin with the first run, or a part begins before the one before it
     UNDAMPED,  // a damper in a model without predicted velocities
     TAUT,      // a node inside a taut run moves along another than the last axis
+    SHEAVE,    // runs, nodes or split of a sheave are not as check_sheaves wants them
 };
 
 struct Finding {

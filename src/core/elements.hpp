@@ -2,7 +2,7 @@
 // visit all of them and call `force`. Runs and springs, which are many, have loops of their own in a step.
 #pragma once
 
-#include "link.hpp"
+#include "sheave.hpp"
 
 namespace RW_VARIANT {
 
@@ -29,16 +29,27 @@ struct FreePlay {
     }
 };
 
+// Call visit<E>(number, parameters, nodes) for every sheave.
+template <int AXES, class Visit>
+void visit_sheaves(const Model& m, const State& s, Visit visit) {
+    for (I64 q = 0; q < m.sheaves; q++) {
+        const I64 last = s.run_first[m.sheave_run[q]] + s.run_links[m.sheave_run[q]];
+        const I64 nodes[] = {last, m.sheave_node[q], last + 1, m.sheave_split[q]};
+        visit.template operator()<OverSheave<AXES>>(q, pieces_of(m, q), nodes);
+    }
+}
+
 // Call visit<E>(parameters, nodes) for every element E between single nodes but springs.
 template <int AXES, class Visit>
 void visit_others(const Model& m, const State& s, Visit visit) {
-    (void)s;  // links of runs that move are in the State
     for (I64 k = 0; k < m.counts[PLAYS]; k++) {
         const double shortest = m.play_shortest[k];
         const FreePlay<AXES> p{m.play_stiffness[k], shortest, shortest + m.play_width[k]};
         const I64 nodes[] = {m.play_begin[k], m.play_end[k]};
         visit.template operator()<FreePlay<AXES>>(p, nodes);
     }
+    visit_sheaves<AXES>(
+        m, s, [&]<class E>(I64, const Pieces& p, const I64* nodes) { visit.template operator()<E>(p, nodes); });
 }
 
 // Values (axis, node) of an array with rows of so many numbers at the nodes of an element.

@@ -8,13 +8,14 @@
 #include "collector.hpp"
 #include "contacts.hpp"
 #include "elements.hpp"
+#include "sheaves.hpp"
 #include "sweep.hpp"
 #include "taut.hpp"
 #include "team.hpp"
 
 namespace RW_VARIANT {
 
-enum Outcome : I64 { DONE, STOPPED, DIVERGED };
+enum Outcome : I64 { DONE, STOPPED, DIVERGED, ENDED };
 
 template <int AXES, bool VISCOUS>
 struct Motion {
@@ -22,6 +23,8 @@ struct Motion {
     const State& s;
     Workspace& w;
     const Team team;
+    char* const* bases;  // of the blocks
+    bool ended = false;
     I64 now = 0;  // number of the step of this call
 
     // Springs and loads kick once in a step; runs and joints follow by the inner steps of the Model, if it has any.
@@ -29,11 +32,12 @@ struct Motion {
         const I64 inner = m.inner_steps[0] > 1 ? m.inner_steps[0] : 1;
         const double part = inner > 1 ? dt / static_cast<double>(inner) : dt;
         for (*done = 0; *done < steps; ++*done) {
-            if (team.leads() && !(w.halted[0] = *stop != 0)) record(*done), begin_step(dt, part, inner);
+            if (team.leads()) w.halted[0] = *stop != 0 || ended;
+            if (team.leads() && !w.halted[0]) record(*done), begin_step(dt, part, inner);
             for (I64 i = 0; i < inner; i++) {
                 if (team.leads() && !w.halted[0]) pull_bands(0, m.nodes, m.parts);
                 team.meet();
-                if (w.halted[0]) return STOPPED;
+                if (w.halted[0]) return team.leads() && !is_finite() ? DIVERGED : (ended ? ENDED : STOPPED);
                 // behind the meeting: the first thread has ended the step before
                 const double kick = i == 0 ? s.lag[0] + 0.5 * part : part;
                 const Step step{kick, part, 0.5 * part / kick};
@@ -43,7 +47,8 @@ struct Motion {
             }
             if (team.leads()) end_step(dt, part, inner);
         }
-        return !team.leads() || is_finite() ? DONE : DIVERGED;
+        if (team.leads() && !is_finite()) return DIVERGED;
+        return ended ? ENDED : (*done < steps ? STOPPED : DONE);
     }
 
   private:
@@ -53,6 +58,7 @@ struct Motion {
         pull_springs();
         add_others();
         press_contacts(slow_kick);
+        rub(slow_kick);
         press_collectors();
         if (VISCOUS && inner > 1)
             for (I64 i = 0; i < AXES * m.stride; i++) w.slow[i] = w.force[i];
@@ -67,6 +73,7 @@ struct Motion {
         for (I64 k = 0; k < m.contacts; k++) s.contact_place[k] += dt * s.contact_speed[k];
         s.time[0] += dt;
         s.lag[0] = 0.5 * part, s.slow_lag[0] = 0.5 * dt;
+        ended = m.sheaves && baseline::pass_nodes(bases) < 0;
     }
 
     // Runs of a part and the bands inside it.
@@ -187,6 +194,22 @@ struct Motion {
             if constexpr (VISCOUS) gather<E, AXES>(s.predicted, m.stride, nodes, v);
             E::force(p, Context{s.time[0], 0.0}, x, v, f);
             scatter<E, AXES>(f, m.stride, nodes, w.force);
+        });
+    }
+
+    // Friction at sheaves stops the rope there, or bears what it can; its work is that of its mean velocity in the
+    // kick.
+    void rub(double kick) {
+        visit_sheaves<AXES>(m, s, [&]<class E>(I64 q, const Pieces& p, const I64* nodes) {
+            double x[E::UNKNOWNS];
+            gather<E, AXES>(s.position, m.stride, nodes, x);
+            const double most = at_sheave<AXES>(p, m.sheave_friction[q], x).most, mobility = m.mobility[nodes[3]];
+            if (!(most > 0.0 && mobility > 0.0)) return;
+            double& force = w.force[nodes[3]];
+            const double v = s.velocity[nodes[3]], stop = -(v / (kick * mobility) + force);
+            const double friction = stop > most ? most : (stop < -most ? -most : stop);
+            force += friction;
+            s.sheave_loss[q] -= friction * kick * (v + 0.5 * kick * mobility * force);
         });
     }
 

@@ -26,10 +26,10 @@ static I64 advance(char* const* bases, I64 thread, I64 threads, I64 steps, doubl
     const State s(Arena{bases[1]});
     Workspace w(Arena{bases[2]});
     const Team team{thread, threads, w};
-    if (m.axes == 2 && m.viscous) return Motion<2, true>{m, s, w, team}.advance(steps, dt, stop, done);
-    if (m.axes == 2) return Motion<2, false>{m, s, w, team}.advance(steps, dt, stop, done);
-    if (m.viscous) return Motion<3, true>{m, s, w, team}.advance(steps, dt, stop, done);
-    return Motion<3, false>{m, s, w, team}.advance(steps, dt, stop, done);
+    if (m.axes == 2 && m.viscous) return Motion<2, true>{m, s, w, team, bases}.advance(steps, dt, stop, done);
+    if (m.axes == 2) return Motion<2, false>{m, s, w, team, bases}.advance(steps, dt, stop, done);
+    if (m.viscous) return Motion<3, true>{m, s, w, team, bases}.advance(steps, dt, stop, done);
+    return Motion<3, false>{m, s, w, team, bases}.advance(steps, dt, stop, done);
 }
 
 extern const Variant functions;

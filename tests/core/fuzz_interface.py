@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from core_structures import bridge, loaded, loose, net, rope, taut_lines, tripod
+from core_structures import bridge, loaded, loose, net, over_sheaves, rope, taut_lines, tripod
 from ropewalk.engine.bound import Bound
 from ropewalk.engine.builder import RunProperties
 from ropewalk.engine.library import library, variants
@@ -71,6 +71,8 @@ def compute(core: ctypes.CDLL, bases: ctypes.Array[ctypes.c_void_p], size: int, 
     velocities, forces = np.zeros((2, size))
     core.rw_forces(bases, velocities.ctypes.data, forces.ctypes.data)
     core.rw_energies(bases, forces.ctypes.data)
+    core.rw_sheaves(bases, velocities.ctypes.data)
+    core.rw_pass(bases)
     count = core.rw_entries(bases)
     entries = np.zeros((4, max(count, 0)))
     core.rw_linearise(bases, velocities.ctypes.data, forces.ctypes.data, *(each.ctypes.data for each in entries))
@@ -85,6 +87,7 @@ def main(path: str, seconds: float, seed: int) -> None:
         bridge(),
         bridge(3, 9.0, force=-50.0),
         tripod(),
+        over_sheaves(2, 5.0, 0.2),
         taut_lines(),
         taut_lines(3, 40.0),
         loaded(),

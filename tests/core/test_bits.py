@@ -40,6 +40,8 @@ HASHES = {
     "damped free play in space": "78146a36f6ff4096",
     "net under a force": "4f367e02f7c96182",
     "damped free net": "79ed57647db0bdb3",
+    "over sheaves": "6bc67dd323504526",
+    "damped over sheaves in space": "ff69ff12d22fdc1a",
 }
 """Of positions and velocities: of every processor, compiler and variant. New structures add a line."""
 

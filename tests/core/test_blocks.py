@@ -30,6 +30,7 @@ SPOILT: list[tuple[str, Any, float, str]] = [
     ("run_links", 2, 13, "run_links[2] is 13; a run has at least one link"),
     ("run_links", 2, 2**62, "run_links[2] is 4611686018427387904; it holds whole numbers"),
     ("run_curved", 0, 2, "run_curved[0] is 2; it holds 0 or 1"),
+    ("inner_steps", 0, 1001, "inner_steps[0] is 1001; it holds whole numbers from 0 to 1000"),
     ("spring_begin", 6, 2**40, "spring_begin[6] is node 1099511627776; nodes are 0 to 50"),
     ("spring_end", 0, 3, "spring_end[0] is node 3, which is the first node of the spring, too"),
     ("spring_length", 3, 0.0, "spring_length[3] is 0.0; it holds positive numbers"),

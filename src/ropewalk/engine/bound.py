@@ -16,7 +16,7 @@ from ropewalk.engine.model import PARTS, Block, dimensions, fields
 from ropewalk.errors import RopewalkError
 
 Array = NDArray[np.float64]
-Outcome = Literal["done", "stopped", "diverged"]
+Outcome = Literal["done", "stopped", "diverged", "ended"]
 CALL = 0.03
 """Time of a call of the core, s: after it signals are noticed."""
 
@@ -34,6 +34,15 @@ class Potentials(NamedTuple):
     elastic: float
     """Of all elements; contacts with the potential of the forces that are given there."""
     weight: float
+
+
+class SheaveForces(NamedTuple):
+    """Of each sheave: tensions before and behind it, N, angle of the turn, and the most that friction bears, N."""
+
+    before: Array
+    behind: Array
+    angle: Array
+    most: Array
 
 
 class ContactForces(NamedTuple):
@@ -169,6 +178,16 @@ class Bound:
         library().rw_energies(self._bases, found.ctypes.data)
         return Potentials(*found.tolist())
 
+    def sheaves(self) -> SheaveForces:
+        """Return what ropes do at sheaves at the positions of the State."""
+        found = np.zeros((4, self.model.sizes["SHEAVES"]))
+        library().rw_sheaves(self._bases, found.ctypes.data)
+        return SheaveForces(*found)
+
+    def pass_nodes(self) -> int:
+        """Let nodes that are close to a sheave pass it, as a step does; return how many did."""
+        return int(library().rw_pass(self._bases))
+
     def contacts(self) -> ContactForces:
         """Return the forces of contacts at the positions of the State."""
         axes, count = self.model.sizes["AXES"], self.model.sizes["CONTACTS"]
@@ -231,11 +250,14 @@ _FAULTS = {
     9: "is {value}; the first part begins at run 0, others at ascending runs",
     10: "is {value}; a structure with dampers needs VISCOUS = NODES",
     11: "is {value}; nodes inside a taut run move along the last axis only, hold them along the others",
+    12: "is {value}; a rope over a sheave is two runs that follow each other, with the same properties and nodes that "
+    "are all the same, to which nothing else is attached; the sheave is at no copy, and its split is a node of its "
+    "own, which moves along its first axis, between 0 and two links",
 }
 _ADMITTED = {
     "FINITE": "finite numbers", "NOT_NEGATIVE": "finite numbers that are not negative", "POSITIVE": "positive numbers",
-    "FLAG": "0 or 1", "COUNT": "whole numbers that are not negative", "NODE": "nodes", "RUN": "runs",
-    "OPTION": "nodes, or -1",
+    "FLAG": "0 or 1", "FEW": "whole numbers from 0 to 1000", "COUNT": "whole numbers that are not negative",
+    "NODE": "nodes", "RUN": "runs", "OPTION": "nodes, or -1",
 }  # fmt: skip
 
 

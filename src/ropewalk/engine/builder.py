@@ -90,6 +90,7 @@ class Builder:
     inner_steps: int = 1
     _contacts: list[dict[str, Any]] = field(default_factory=list)
     _joints: list[tuple[int, int]] = field(default_factory=list)
+    _splits: list[tuple[float, float]] = field(default_factory=list)
 
     def add_node(self, point: ArrayLike, mass: float) -> int:
         """Add a node that is in no run, and return its number.
@@ -131,6 +132,30 @@ class Builder:
     def add_spring(self, begin: int, end: int, spring: SpringProperties) -> None:
         """Add a spring between two nodes."""
         self._elements["spring"].append({"begin": begin, "end": end} | asdict(spring))
+
+    def add_sheave(self, node: int, friction: float = 0.0, split: float | None = None) -> None:
+        """Let the last two runs be a rope over a sheave, two links longer than they are; it may go on over another one.
+
+        Both have the same properties, and nothing else is added to them but at the other ends of the rope.
+
+        Args:
+            node: that the sheave is at; it bears the weight of a link.
+            friction: coefficient.
+            split: unstrained length from the first of them to the sheave, m; None: a link.
+        """
+        run = len(self._runs) - 1
+        first, _, rope = self._runs[run]
+        mass = rope.line_mass * rope.link_length
+        for at, part in ((first - 1, 0.5), (first, 0.5), (node, 1.0)):
+            self.add_mass(at, part * mass)
+        self._splits.append((rope.link_length if split is None else split, mass))
+        self._elements["sheave"].append({"run": run - 1, "node": node, "friction": friction})
+
+    def _add_splits(self) -> None:
+        """Add the nodes of splits behind all others, as runs of a rope follow each other."""
+        for sheave, (split, mass) in zip(self._elements.get("sheave", ()), self._splits, strict=True):
+            sheave["split"] = self.add_node([split] + [0.0] * (self.axes - 1), mass)
+            self.fix(sheave["split"], axes=range(1, self.axes))
 
     def add_free_play(self, begin: int, end: int, play: FreePlayProperties) -> None:
         """Add a spring with free play between two nodes."""
@@ -208,6 +233,7 @@ class Builder:
         Raises:
             RopewalkError: a node that is not fixed has no mass.
         """
+        self._add_splits()
         points, masses = np.concatenate(self._points, axis=1), np.concatenate(self._masses)
         damped = any(each.axial_damping for *_, each in self._runs)
         damped |= any(each.get("damping", 0.0) > 0.0 for rows in self._elements.values() for each in rows)
@@ -247,6 +273,8 @@ class Builder:
             block.set(**{name if name in names else f"run_{name}": [row[name] for row in runs]})
         for kind, rows in self._elements.items():
             model.set(**{f"{kind}_{name}": [row[name] for row in rows] for name in rows[0]})
+        model.weight[:, model.sheave_split] = 0.0
+        model.sheave_weight[-1] = -self.gravity * model.line_mass[model.sheave_run]
         return model, state
 
     def _end_masses(self, nodes: int) -> Array:
@@ -254,10 +282,13 @@ class Builder:
 
         The second difference of a curved run is zero at its ends, which are hinged, but a load curves the line there.
         So a twelfth of the load on a link acts a link further in: by the forces of the links when nodes are on the
-        exact line. Else lines hang right to the second order only.
+        exact line. Else lines hang right to the second order only, as do ropes over sheaves, whose nodes change places.
         """
         extra = np.zeros(nodes)
-        for first, links, run in self._runs:
+        passes = {row["run"] + k for row in self._elements.get("sheave", ()) for k in (0, 1)}
+        for number, (first, links, run) in enumerate(self._runs):
+            if number in passes:
+                continue
             parts = (1.0 / 18.0, 1.0 / 72.0) if run.bending_stiffness else (1.0 / 6.0, -1.0 / 24.0)
             near, far = (
                 part * run.line_mass * run.link_length * (run.curved and not run.taut and links > 1) for part in parts

@@ -46,7 +46,7 @@ def advance_implicitly(bound: Bound, steps: int, dt: float, iterations: int = 30
         state.velocity[:] = velocities = stages[1]
         state.predicted[:] = velocities[:, : state.predicted.shape[1]]
         state.lag[:] = 0.0
-        state.time += dt
+        state.time[:] += dt
     return Advance(steps, "done")
 
 

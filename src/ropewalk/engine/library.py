@@ -28,6 +28,7 @@ _ARGUMENTS: dict[str, list[Any]] = {
     "advance": [_NUMBER, _ADDRESS, *[_NUMBER] * 3, ctypes.c_double, _ADDRESS, _ADDRESS],
     "forces": [_ADDRESS] * 3, "energies": [_ADDRESS] * 2, "contacts": [_ADDRESS] * 2,
     "entries": [_ADDRESS], "linearise": [_ADDRESS] * 7,
+    "sheaves": [_ADDRESS] * 2, "pass": [_ADDRESS],
 }  # fmt: skip
 """Arguments of the functions of the core, which return whole numbers."""
 
