@@ -56,12 +56,12 @@ void visit_others(const Model& m, const State& s, Visit visit) {
 template <class E, int AXES>
 inline void gather(const auto& from, I64 stride, const I64* nodes, double* values) {
     for (int axis = 0; axis < AXES; axis++)
-        for (int k = 0; k < E::UNKNOWNS / AXES; k++) values[k * AXES + axis] = from[axis * stride + nodes[k]];
+        for (int i = axis; i < E::UNKNOWNS; i += AXES) values[i] = from[axis * stride + nodes[i / AXES]];
 }
 template <class E, int AXES>
 inline void scatter(const double* values, I64 stride, const I64* nodes, const auto& to) {
     for (int axis = 0; axis < AXES; axis++)
-        for (int k = 0; k < E::UNKNOWNS / AXES; k++) to[axis * stride + nodes[k]] += values[k * AXES + axis];
+        for (int i = axis; i < E::UNKNOWNS; i += AXES) to[axis * stride + nodes[i / AXES]] += values[i];
 }
 
 }  // namespace RW_VARIANT
