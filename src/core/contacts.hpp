@@ -20,17 +20,23 @@ struct Contacts {
         return *reinterpret_cast<Record*>(w.contact_record.at(k * stride_of(RECORD_SIZE), RECORD_SIZE));
     }
 
-    // Locate all contacts, and find their kinks. Those that share links lengthen these together.
-    void find() const {
+    // Locate all contacts, and find their kinks.
+    void find() const { find_kinks(locate_all()); }
+
+    // Whether any link is lengthened by two contacts, or by one that has left its line.
+    bool locate_all() const {
         bool shares = false;
         for (I64 k = 0; k < m.contacts; k++) {
             locate_contact(k);
             count_links(record(k));
         }
-        for (I64 k = 0; k < m.contacts; k++) {
+        for (I64 k = 0; k < m.contacts; k++)
             shares = shares || is_sharing(record(k)) || record(k).state == Touching::LEFT;
-            find_kink(k);
-        }
+        return shares;
+    }
+    // Contacts that share links lengthen these together.
+    void find_kinks(bool shares) const {
+        for (I64 k = 0; k < m.contacts; k++) find_kink(k);
         for (int round = 0; shares && round < 40; round++) {
             bool has_moved = false;
             for (I64 k = 0; k < m.contacts; k++) {
@@ -73,6 +79,8 @@ struct Contacts {
         r.run = run, r.length = h, r.speed = s.contact_speed[k], r.K = kept;
         for (I64 j = 0; j < BELOW; j++) r.others[j] = r.before[j] = r.own[j] = 0.0;
         r.state = Touching::YES;
+        const double ahead = kept + (s.contact_kink_change[k] + s.contact_kink_bend[k]);
+        if (ahead > 0.5 * kept) r.K = ahead;
         if (beyond > 0.0) {  // its kink grows straight over a quarter of a link
             r.state = kept > 0.0 && 4.0 * beyond < h ? Touching::LEFT : Touching::NO;
             place = place < 0.0 ? 0.0 : last;
@@ -91,12 +99,11 @@ struct Contacts {
     double length_of(I64 run) const { return m.link_length[run] * static_cast<double>(s.run_links[run]); }
 
     void share(Record& r, const Cell& cell, double x) const {
-        Jet weight[SHARED];
-        weigh(cell, Jet(x, 1.0, 0.0), weight);
         const double per_length = 1.0 / r.length;
+        weigh(cell, x, r.weight, r.slope, r.second);
         for (I64 j = 0; j < SHARED; j++) {
-            r.weight[j] = weight[j].value, r.slope[j] = weight[j].first * per_length;
-            r.second[j] = weight[j].second * per_length * per_length;
+            r.slope[j] *= per_length;
+            r.second[j] *= per_length * per_length;
         }
         r.first = s.run_first[r.run] + cell.first;
         r.count = cell.links + 1 - cell.first < SHARED ? cell.links + 1 - cell.first : SHARED;
@@ -166,8 +173,7 @@ struct Contacts {
         double x[Element::UNKNOWNS];
         gather_at(r, k, s.position, x);
         visit_links(r, [&](I64 j, I64 link) { r.others[j] = w.link_kink[link] - r.own[j]; });
-        const auto g = Element::template measure<double>(r, x);
-        r.K = g.is_apart ? 0.0 : Element::solve(r, g.lengths, g.square);
+        Element::find(r, x);
         visit_links(r, [&](I64 j, I64 link) {
             const double own = 2.0 * r.part[j] * r.K;
             w.link_kink[link] += own - r.own[j];
@@ -175,6 +181,7 @@ struct Contacts {
         });
     }
 
+  public:
     // Note what contacts before each one add to its links, and clear the arrays of links.
     void release(bool shares) const {
         const auto clear = [&](I64, I64 link) { w.link_kink[link] = 0.0, w.link_contacts[link] = 0; };

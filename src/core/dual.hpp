@@ -52,8 +52,8 @@ inline Dual<N> operator*(const Dual<N>& x, const Dual<N>& y) {
 }
 template <int N>
 inline Dual<N> operator/(const Dual<N>& x, const Dual<N>& y) {
-    const double quotient = x.value / y.value;
-    return combined(quotient, 1.0 / y.value, x, -quotient / y.value, y);
+    const double quotient = x.value / y.value, inverse = 1.0 / y.value;
+    return combined(quotient, inverse, x, -quotient * inverse, y);
 }
 template <int N>
 inline Dual<N> operator-(const Dual<N>& x) {
@@ -85,7 +85,8 @@ inline Dual<N> operator*(double x, const Dual<N>& y) {
 }
 template <int N>
 inline Dual<N> operator/(double x, const Dual<N>& y) {
-    return scaled(x / y.value, -x / (y.value * y.value), y);
+    const double quotient = x / y.value;
+    return scaled(quotient, -quotient * (1.0 / y.value), y);
 }
 
 template <int N>
@@ -98,8 +99,8 @@ inline Dual<N> unless_below(const Dual<N>& test, double floor, const Dual<N>& x)
     return test.value < floor ? Dual<N>(0.0) : x;
 }
 template <int N>
-inline Dual<N> if_below(const Dual<N>& test, double limit, const Dual<N>& x, const Dual<N>& y) {
-    return test.value < limit && -limit < test.value ? x : y;
+inline Dual<N> if_below(const Dual<N>& test, double limit, const Dual<N>& x, auto y) {
+    return test.value < limit && -limit < test.value ? x : y();
 }
 
 }  // namespace RW_VARIANT

@@ -55,11 +55,13 @@ void visit_others(const Model& m, const State& s, Visit visit) {
 // Values (axis, node) of an array with rows of so many numbers at the nodes of an element.
 template <class E, int AXES>
 inline void gather(const auto& from, I64 stride, const I64* nodes, double* values) {
-    for (int i = 0; i < E::UNKNOWNS; i++) values[i] = from[i % AXES * stride + nodes[i / AXES]];
+    for (int axis = 0; axis < AXES; axis++)
+        for (int i = axis; i < E::UNKNOWNS; i += AXES) values[i] = from[axis * stride + nodes[i / AXES]];
 }
 template <class E, int AXES>
 inline void scatter(const double* values, I64 stride, const I64* nodes, const auto& to) {
-    for (int i = 0; i < E::UNKNOWNS; i++) to[i % AXES * stride + nodes[i / AXES]] += values[i];
+    for (int axis = 0; axis < AXES; axis++)
+        for (int i = axis; i < E::UNKNOWNS; i += AXES) to[axis * stride + nodes[i / AXES]] += values[i];
 }
 
 }  // namespace RW_VARIANT

@@ -86,7 +86,7 @@ inline Slope<S> bare_stiffness(const Kink& k, const S& T) {
 
 template <class S>
 inline Slope<S> in_series(double compliance, const Slope<S>& bare) {
-    if (!(value_of(bare.value) > 0.0)) return bare;
+    if (compliance == 0.0 || !(value_of(bare.value) > 0.0)) return bare;
     const S part = 1.0 / (1.0 + compliance * bare.value);
     return {bare.value * part, bare.slope * part * part};
 }

@@ -49,7 +49,8 @@ template <bool VISCOUS, bool SURE = false, class T, class S>
 inline Pull<S> pull(const Axial<T>& p, const S& square, const S& along) {
     const S x = square * p.scale - 1.0;
     S elastic = p.stiffness * stretch(x);
-    if constexpr (!SURE) elastic = if_below(x, SMALL, elastic, p.stiffness - p.preload * (1.0 / root(square)));
+    if constexpr (!SURE)
+        elastic = if_below(x, SMALL, elastic, [&] { return p.stiffness - p.preload * (1.0 / root(square)); });
     S total = elastic;
     if constexpr (VISCOUS) total = total + p.damping * along / square;
     return {unless_below(elastic, p.floor, elastic), unless_below(elastic, p.floor, total)};

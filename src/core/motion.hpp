@@ -217,7 +217,11 @@ struct Motion {
     void press_contacts(double kick) {
         using Element = Touch<AXES>;
         const Contacts<AXES> contacts{m, s, w};
-        contacts.find();
+        const bool shares = contacts.locate_all();
+        if (shares)
+            contacts.find_kinks(shares);
+        else
+            contacts.release(shares);
         for (I64 k = 0; k < m.contacts; k++) {
             Record& r = contacts.record(k);
             I64 nodes[Contacts<AXES>::NODES_OF];
@@ -225,7 +229,7 @@ struct Motion {
             contacts.nodes_of(r, m.contact_body[k], nodes);
             gather<Element, AXES>(s.position, m.stride, nodes, x);
             if constexpr (VISCOUS) gather<Element, AXES>(s.predicted, m.stride, nodes, v);
-            const auto all = Element::template answer<double>(r, x);
+            const auto all = shares ? Element::template answer<double>(r, x) : Element::find(r, x);
             Element::template apply<VISCOUS, double>(r, all, x, v, f);
             scatter<Element, AXES>(f, m.stride, nodes, w.force);
             Element::note(r, all, x);
@@ -241,7 +245,11 @@ struct Motion {
             s.contact_work[k] += 0.25 * (r.softer + s.contact_softer[k]) * (r.square - before);
         s.contact_bent[k] = r.state == Touching::YES ? r.square : -1.0;
         s.contact_softer[k] = r.softer;
-        if (r.state == Touching::YES) s.contact_kink[k] = r.K;
+        if (r.state != Touching::YES) return;
+        const double change = before >= 0.0 ? r.K - s.contact_kink[k] : 0.0;
+        s.contact_kink_bend[k] = change - s.contact_kink_change[k];
+        s.contact_kink_change[k] = change;
+        s.contact_kink[k] = r.K;
     }
 
     // Add values of copies to those of the original nodes and clear them, or give copies the values of the originals.

@@ -38,14 +38,14 @@ inline Jet operator*(const Jet& x, const Jet& y) {
             x.second * y.value + 2.0 * x.first * y.first + x.value * y.second};
 }
 
-// Quintic B-splines of the six nodes around a link at the part f of it.
+// Quintic B-splines of the six nodes around a link at the part f of it, times 120, by powers of f.
+constexpr double QUINTIC[6][6] = {{1, -5, 10, -10, 5, -1},    {26, -50, 20, 20, -20, 5}, {66, 0, -60, 0, 30, -10},
+                                  {26, 50, 20, -20, -20, 10}, {1, 5, 10, 10, 5, -5},     {0, 0, 0, 0, 0, 1}};
 template <class S>
 inline void quintic(const S& f, S* basis) {
-    constexpr double C[6][6] = {{1, -5, 10, -10, 5, -1},    {26, -50, 20, 20, -20, 5}, {66, 0, -60, 0, 30, -10},
-                                {26, 50, 20, -20, -20, 10}, {1, 5, 10, 10, 5, -5},     {0, 0, 0, 0, 0, 1}};
     for (int i = 0; i < 6; i++) {
-        S sum = C[i][5];
-        for (int power = 4; power >= 0; power--) sum = sum * f + C[i][power];
+        S sum = QUINTIC[i][5];
+        for (int power = 4; power >= 0; power--) sum = sum * f + QUINTIC[i][power];
         basis[i] = sum * (1.0 / 120.0);
     }
 }
@@ -67,6 +67,19 @@ inline void add_control(const Cell& cell, I64 j, const S& w, S* weight) {
     }
 }
 
+// Quintic B-splines of sharpened control points: weights of nodes inside a run by powers of the part of a link.
+struct Sharpened {
+    double by_power[6][SHARED];
+
+    constexpr Sharpened() : by_power{} {
+        for (int power = 0; power < 6; power++)
+            for (int i = 0; i < 6; i++)
+                for (int k = 0; k < 3; k++)
+                    by_power[power][i + k] += QUINTIC[i][power] * (k == 1 ? 1.5 : -0.25) / 120.0;
+    }
+};
+constexpr Sharpened SHARPENED;
+
 // Weights of the nodes that share the point at x links along a run, in a cell that has been located.
 template <class S>
 inline void weigh(const Cell& cell, const S& x, S* weight) {
@@ -74,6 +87,27 @@ inline void weigh(const Cell& cell, const S& x, S* weight) {
     quintic(x + S(-static_cast<double>(cell.link)), basis);
     for (int k = 0; k < SHARED; k++) weight[k] = S(0.0);
     for (int i = 0; i < 6; i++) add_control(cell, cell.link - 2 + i, basis[i], weight);
+}
+
+// Weights and their first two derivatives by x.
+inline void weigh(const Cell& cell, double x, double* weight, double* first, double* second) {
+    if (cell.link < 3 || cell.link + 4 > cell.links) {
+        Jet jets[SHARED];
+        weigh(cell, Jet(x, 1.0, 0.0), jets);
+        for (int k = 0; k < SHARED; k++)
+            weight[k] = jets[k].value, first[k] = jets[k].first, second[k] = jets[k].second;
+        return;
+    }
+    const double f = x - static_cast<double>(cell.link);
+    for (int k = 0; k < SHARED; k++) {
+        double value = SHARPENED.by_power[5][k], rate = 0.0, bent = 0.0;
+        for (int power = 4; power >= 0; power--) {
+            bent = bent * f + rate;
+            rate = rate * f + value;
+            value = value * f + SHARPENED.by_power[power][k];
+        }
+        weight[k] = value, first[k] = rate, second[k] = bent + bent;
+    }
 }
 
 // Whether the line of a run goes on with the next one, and the first run of its line.

@@ -106,8 +106,8 @@ struct Touch {
     }
 
     // T of the links with this kink.
-    template <class S>
-    static S tension(const Record& r, const S* lengths, const S& K) {
+    template <class L, class S>
+    static S tension(const Record& r, const L* lengths, const S& K) {
         S sum{};
         for (int j = 0; j < BELOW; j++)
             if (r.part[j] > 0.0)
@@ -116,36 +116,40 @@ struct Touch {
     }
 
     // What is missing to K, and all that belongs to K. square: of the kink, or of the given force.
-    template <class S>
-    static S miss(const Record& r, const S* lengths, const S& square, const S& K, Solution<S>& found) {
+    template <class L, class S>
+    static S miss(const Record& r, const L* lengths, const L& square, const S& K, Solution<S>& found) {
         found.K = K, found.T = tension(r, lengths, K);
         found.rest = in_series(r.kink.compliance, bare_stiffness(r.kink, found.T));
-        found.moving = moving_stiffness(r.kink, found.T);
+        found.moving = r.kink.inertia == 0.0 ? found.rest.value : moving_stiffness(r.kink, found.T);
         const S wanted = (0.5 * r.length) * square * found.rest.slope;
         return r.has_body ? K - wanted : K - wanted / (found.moving * found.moving);
     }
 
-    // K by Newton's method from r.K, with the largest error of 1e-8 before the last step. `miss` rises with K.
-    static double solve(const Record& r, const double* lengths, double square) {
-        constexpr double SLACK = 5e5, FOUND = 1e-8;
+    // K and all that belongs to it by Newton's method from r.K. The last step, of at most 3e-8, is taken by derivatives
+    // in all numbers, which is right to rounding. `miss` rises with K.
+    static Solution<double> solve(const Record& r, const double* lengths, double square) {
+        constexpr double SLACK = 5e5, FOUND = 3e-8;
         constexpr int ROUNDS = 60;
         const double unit = r.length * r.length;
-        double low = 0.0, high = SLACK * unit, K = r.K;
-        Dual<1> stretched[BELOW];
-        for (int j = 0; j < BELOW; j++) stretched[j] = lengths[j];
+        double low = 0.0, high = SLACK * unit, K = square > 0.0 ? r.K : 0.0;
         for (int round = 0; round < ROUNDS && square > 0.0; round++) {
             Solution<Dual<1>> found;
-            const Dual<1> missing = miss(r, stretched, Dual<1>(square), Dual<1>(K, 0), found);
+            const Dual<1> missing = miss(r, lengths, square, Dual<1>(K, 0), found);
             const bool bears = r.has_body || found.moving.value > 0.0;
             (bears && missing.value >= 0.0 ? high : low) = K;
             double next = K - missing.value / missing.slope[0];
             if (!bears || (missing.value < -K && !r.has_body && next > 8.0 * K)) next = 4.0 * K + 5e-5 * unit;
             if (!(next >= low && next <= high)) next = 0.5 * (low + high);
-            const bool is_found = (next > K ? next - K : K - next) <= FOUND * next;
+            if ((next > K ? next - K : K - next) <= FOUND * next) return changed(found, next);
             K = next;
-            if (is_found) break;
         }
-        return square > 0.0 ? K : 0.0;
+        Solution<double> found;
+        miss(r, lengths, square, K, found);
+        return found;
+    }
+    static Solution<double> changed(const Solution<Dual<1>>& of, double K) {
+        const auto at = [&](const Dual<1>& x) { return x.value + x.slope[0] * (K - of.K.value); };
+        return {K, at(of.T), at(of.moving), {at(of.rest.value), at(of.rest.slope)}};
     }
 
     // K is r.K, which `solve` has found; over duals with its derivatives.
@@ -154,10 +158,10 @@ struct Touch {
         Solution<S> found;
         const S missing = miss(r, g.lengths, g.square, S(r.K), found);
         if constexpr (!__is_same(S, double)) {
-            Dual<1> stretched[BELOW];
+            double lengths[BELOW];
             Solution<Dual<1>> unused;
-            for (int j = 0; j < BELOW; j++) stretched[j] = g.lengths[j].value;
-            const double rise = miss(r, stretched, Dual<1>(g.square.value), Dual<1>(r.K, 0), unused).slope[0];
+            for (int j = 0; j < BELOW; j++) lengths[j] = g.lengths[j].value;
+            const double rise = miss(r, lengths, g.square.value, Dual<1>(r.K, 0), unused).slope[0];
             S slope = missing * (-1.0 / rise);
             slope.value = r.K;
             miss(r, g.lengths, g.square, slope, found);
@@ -189,6 +193,16 @@ struct Touch {
         Solution<S> found;
         Pressed<S> at;
     };
+    // The same with K, which is found.
+    static Answer<double> find(Record& r, const double* x) {
+        Answer<double> all{measure(r, x), {}, {}};
+        if (r.state == Touching::YES && !all.g.is_apart) {
+            all.found = solve(r, all.g.lengths, all.g.square);
+            all.at = pressed(r, all.g, all.found.moving);
+        }
+        if (r.state == Touching::YES) r.K = all.found.K;
+        return all;
+    }
     template <class S>
     static Answer<S> answer(const Record& r, const S* x) {
         Answer<S> all{measure(r, x), {}, {}};
@@ -273,8 +287,7 @@ struct Touch {
         double push = 0.0;
         if (r.state == Touching::YES && !g.is_apart) {
             const Pressed<double>& at = all.at;
-            const double bare = bare_stiffness(r.kink, found.T).value,
-                         part = bare > 0.0 ? found.rest.value / bare : 1.0;
+            const double part = found.rest.value > 0.0 ? 1.0 - r.kink.compliance * found.rest.value : 1.0;
             double turning = 0.0, bent[AXES]{}, back = 0.0;
             for (int i = 0; i < AXES; i++) {
                 for (int k = 0; k < SHARED; k++) bent[i] += r.second[k] * x[k * AXES + i];

@@ -42,11 +42,11 @@ inline Vector unless_below(Vector test, double floor, Vector x) { return unless_
 
 inline Vector larger(Vector x, Vector y) { return x < y ? y : x; }
 
-// `x` where the size of `test` is below a limit, else `y`.
-inline double if_below(double test, double limit, double x, double y) { return test < limit && -limit < test ? x : y; }
-inline Vector if_below(Vector test, double limit, Vector x, Vector y) {
-    const Vector edge = Vector{} + limit;
-    return test < edge ? (-edge < test ? x : y) : y;
+// `x` where the size of `test` is below a limit, else what `y` returns.
+inline double if_below(double test, double limit, double x, auto y) { return test < limit && -limit < test ? x : y(); }
+inline Vector if_below(Vector test, double limit, Vector x, auto y) {
+    const Vector edge = Vector{} + limit, other = y();
+    return test < edge ? (-edge < test ? x : other) : other;
 }
 
 }  // namespace RW_VARIANT
