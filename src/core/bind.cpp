@@ -295,7 +295,8 @@ static void find_odd_nodes(const Model& m, const State& s, Workspace& w) {
 
 // Find what else than links acts on nodes inside runs; where these are few they are listed.
 static void find_pulled_runs(const Model& m, const State& s, Workspace& w) {
-    for (I64 r = 0; r < m.runs; r++) w.run_pulled[r] = 0, w.run_damped[r] = m.axial_damping[r] > 0.0;
+    for (I64 r = 0; r < m.runs; r++)
+        w.run_pulled[r] = w.run_stretched[r] = 0, w.run_damped[r] = m.axial_damping[r] > 0.0;
     const auto pull = [&](I64 node, bool damps, I64 count) {
         if (const I64 run = run_around(m, s, node); run >= 0) w.run_pulled[run] += count, w.run_damped[run] |= damps;
     };

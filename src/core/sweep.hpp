@@ -87,7 +87,7 @@ struct Sweep {
     Workspace& w;
     const Step& step;
     Links p;
-    I64 part;
+    I64 part, number;
     I64 first, links;  // of the run
     bool is_pulled;
     const I64* odd;  // the next of its nodes with a mobility or weight of their own
@@ -101,6 +101,7 @@ struct Sweep {
           step(step_),
           p(links_of(model, run)),
           part(part_),
+          number(run),
           others(model, typical_node(state, run)) {
         first = s.run_first[run], links = s.run_links[run];
         is_pulled = w.run_pulled[run];
@@ -175,15 +176,27 @@ struct Sweep {
         if (rest == n) clear(MOMENT, n);
     }
 
-    // Forces and moments of so many links behind node a: with the series for small strains if all are small.
+    // Forces and moments of so many links behind node a: with the series for small strains if all are small. Both ways
+    // give the same bits; the one that served last is tried first.
     void find_forces(I64 a, I64 count) {
         const Links links = p;  // in registers
         Vector largest{};
         I64 k = 0;
-        for (; k + WIDTH <= count; k += WIDTH) largest = larger(largest, find_forces_at<true>(links, a, k));
-        bool are_small = true;
-        for (I64 i = 0; i < WIDTH; i++) are_small &= largest[i] < SMALL;
-        if (!are_small) k = 0;
+        if (!w.run_stretched[number]) {
+            for (; k + WIDTH <= count; k += WIDTH) largest = larger(largest, find_forces_at<true>(links, a, k));
+            if (!(w.run_stretched[number] = !are_small(largest))) return find_last_forces(links, a, k, count);
+        }
+        for (k = 0; k + WIDTH <= count; k += WIDTH) largest = larger(largest, find_forces_at<false>(links, a, k));
+        w.run_stretched[number] = !are_small(largest);
+        find_last_forces(links, a, k, count);
+    }
+    static bool are_small(const Vector& strains) {
+        for (I64 i = 0; i < WIDTH; i++)
+            if (!(strains[i] < SMALL)) return false;
+        return true;
+    }
+    // Those that do not fill a vector.
+    void find_last_forces(const Links& links, I64 a, I64 k, I64 count) {
         for (; k < count; k += WIDTH) find_forces_at<false>(links, a, k);
     }
     // Of links k, k + 1 ... of the block; returns by how much their squared lengths are off 1.
