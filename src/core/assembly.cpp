@@ -89,7 +89,7 @@ struct Assembly {
                 values[axis * m.contacts + k] = r.force[axis];
                 values[(AXES + axis) * m.contacts + k] = r.tip[axis];
             }
-            values[2 * AXES * m.contacts + k] = r.push;
+            values[(AXES + AXES) * m.contacts + k] = r.push;
         }
     }
 

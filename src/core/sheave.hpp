@@ -30,6 +30,7 @@ inline Pieces pieces_of(const Model& m, I64 sheave) {
 template <int AXES>
 struct OverSheave {
     static constexpr int UNKNOWNS = 3 * AXES + 1;
+    static constexpr int LAST = 2 * AXES, SPLIT = 3 * AXES;  // first unknown of the last node; the split
 
     // Force of a piece with chord c and length s on its first node; returns that on s.
     template <class S>
@@ -50,7 +51,7 @@ struct OverSheave {
             c[i] = x[AXES + i] - x[i], d[i] = x[2 * AXES + i] - x[AXES + i];
             rate[i] = v[AXES + i] - v[i], other[i] = v[2 * AXES + i] - v[AXES + i];
         }
-        const S s = x[3 * AXES], growth = v[3 * AXES];
+        const S s = x[SPLIT], growth = v[SPLIT];
         S on_split = resist(p, c, rate, s, growth, near) - resist(p, d, other, 2.0 * p.link - s, -growth, far);
         for (int i = 0; i < AXES; i++) {
             const S more = 0.5 * p.weight[i] * (s - p.link);  // than half of a link at the node before the sheave
@@ -59,7 +60,7 @@ struct OverSheave {
             f[AXES + i] = f[AXES + i] + far[i] - near[i];
             f[2 * AXES + i] = f[2 * AXES + i] - far[i] - more;
         }
-        f[3 * AXES] = f[3 * AXES] + on_split;
+        f[SPLIT] = f[SPLIT] + on_split;
     }
 
     template <class S>
@@ -73,9 +74,9 @@ struct OverSheave {
     // Infinite where a piece would have no length.
     template <class S>
     static S energy(const Pieces& p, const Context&, const S* x) {
-        const S s = x[3 * AXES], rest = 2.0 * p.link - s;
+        const S s = x[SPLIT], rest = 2.0 * p.link - s;
         if (!(value_of(s) > 0.0 && value_of(rest) > 0.0)) return INFINITE;
-        S sum = stored(p, x, x + AXES, s) + stored(p, x + AXES, x + 2 * AXES, rest);
+        S sum = stored(p, x, x + AXES, s) + stored(p, x + AXES, x + LAST, rest);
         for (int i = 0; i < AXES; i++) sum = sum + 0.5 * p.weight[i] * (s - p.link) * (x[2 * AXES + i] - x[i]);
         return sum;
     }
@@ -104,7 +105,7 @@ inline AtSheave at_sheave(const Pieces& p, double friction, const double* x) {
         const double one = (x[AXES + i] - x[i]) / length[0], other = (x[2 * AXES + i] - x[AXES + i]) / length[1];
         sum += (one + other) * (one + other), difference += (one - other) * (one - other);
     }
-    const double split[] = {x[3 * AXES], 2.0 * p.link - x[3 * AXES]};
+    const double s = x[OverSheave<AXES>::SPLIT], split[] = {s, 2.0 * p.link - s};
     double middle[2], tension[2];
     for (int side = 0; side < 2; side++) {
         const double elastic = p.stiffness * (length[side] / split[side] - 1.0);

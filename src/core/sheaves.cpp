@@ -25,7 +25,7 @@ static double energy_with(const Model& m, const State& s, const Blocks& blocks, 
 struct Passage {
     const Model& m;
     I64 node, sheave, beyond;
-    double before[3], behind[3];
+    double before[3]{}, behind[3]{};
 
     Passage(const Model& model, const State& s, I64 node_, I64 sheave_, I64 beyond_)
         : m(model), node(node_), sheave(sheave_), beyond(beyond_) {
@@ -43,9 +43,9 @@ struct Passage {
     // The node keeps its speed along the rope, and has that of the straight piece beyond, at a part of it, across. Both
     // are relative to the mean velocity of the sheave, which takes the momentum that the node loses.
     void turn(const View<double>& velocity, double part) const {
-        double momentum[3]{}, turned[3];
+        double momentum[3]{}, turned[3]{};
         for (int round = 0; round < ROUNDS; round++) {
-            double along = 0.0, ahead = 0.0, base[3];
+            double along = 0.0, ahead = 0.0, base[3]{};
             for (I64 axis = 0; axis < m.axes; axis++) {
                 const I64 row = axis * m.stride;
                 base[axis] = velocity[row + sheave] + 0.5 * m.mobility[row + sheave] * momentum[axis];

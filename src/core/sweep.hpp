@@ -184,7 +184,7 @@ struct Sweep {
         I64 k = 0;
         if (!w.run_stretched[number]) {
             for (; k + WIDTH <= count; k += WIDTH) largest = larger(largest, find_forces_at<true>(links, a, k));
-            if (!(w.run_stretched[number] = !are_small(largest))) return find_last_forces(links, a, k, count);
+            if (are_small(largest)) return find_last_forces(links, a, k, count);
         }
         for (k = 0; k + WIDTH <= count; k += WIDTH) largest = larger(largest, find_forces_at<false>(links, a, k));
         w.run_stretched[number] = !are_small(largest);
