@@ -164,7 +164,7 @@ class Bound:
     def velocities(self) -> Array:
         """Return the velocities (axis, node) at the instant of the positions, m/s."""
         if self.model.inner_steps[0] > 1:
-            raise RopewalkError("velocities at the instant of the positions are not known with inner steps")
+            raise RopewalkError("inner steps keep velocities at other instants than positions; leave them out")
         lag, v = self.state.lag[0], self.state.velocity
         rates = self.state.predicted if self.model.sizes["VISCOUS"] else v
         gains = self.model.mobility * self._joined(self.forces(rates))

@@ -56,7 +56,7 @@ class Session:
                 return await self._process.ask(asked, page, within=600.0 + behind)
             self._begin(self._process, asked)
         if (answer := self._answer) is None:
-            raise RopewalkError("no computation is under way")
+            raise RopewalkError("no computation is running")
         for message in self._sent:  # it may grow meanwhile
             await page(message)
         self._page = page
