@@ -148,7 +148,7 @@ class Bound:
         number, stop = VARIANTS.index(variant or variants()[-1]), ctypes.addressof(self.stop)
         outcome = library().rw_advance(number, self._bases, thread, threads, steps, dt, stop, ctypes.addressof(done))
         if outcome < 0:
-            raise RopewalkError(f"this processor does not run the variant {variant}; use {', '.join(variants())}")
+            raise RopewalkError(f"the core has no variant {variant} for this processor; use {', '.join(variants())}")
         return int(outcome)
 
     def forces(self, velocities: Array | None = None) -> Array:

@@ -81,7 +81,5 @@ def elementary(name: Elementary, x: ArrayLike, y: ArrayLike = 0.0, variant: str 
     values = np.empty_like(first)
     pointers = (each.ctypes.data_as(_DOUBLES) for each in (first, second, values))
     if library().rw_elementary(number, _FUNCTIONS.index(name), values.size, *pointers):
-        raise RopewalkError(
-            f"this processor does not run the variant {variant} of the core; use {', '.join(variants())}"
-        )
+        raise RopewalkError(f"the core has no variant {variant} for this processor; use {', '.join(variants())}")
     return values
