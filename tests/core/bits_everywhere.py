@@ -138,7 +138,7 @@ def packed(bound: Bound, steps: int, dt: float) -> bytes:
 
 def compiled(folder: Path, target: str, words: list[str], linking: list[str]) -> Path:
     """Compile the baseline of the core for a target of zig, with more sources, into a program."""
-    sources = [str(ROOT / "src" / "core" / f"{name}.cpp") for name in ("api", "assembly", "bind", "runtime", "variant")]
+    sources = sorted(map(str, (ROOT / "src" / "core").glob("*.cpp")))
     made, flags = folder / target, [each for each in compiler.FLAGS if each != "-Werror"]
     subprocess.run([*ZIG, "-target", target, *flags, *words, *sources, *linking, "-o", str(made)], check=True)
     return made
