@@ -1,4 +1,4 @@
-// How a line gives way beside the spline through its nodes where a load touches it.
+// Compliance of a line where a load touches it, relative to the spline through its nodes.
 //
 // Links of finite length round off the kink that a point force makes. Its tip is d from the spline, across the line,
 // and has the stiffness S = (T + EI/h^2)/(h kappa). kappa is the difference of the Green's functions of the line and of

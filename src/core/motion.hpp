@@ -99,7 +99,7 @@ struct Motion {
         if constexpr (VISCOUS) join(s.predicted, false);
     }
 
-    // What is at the begin of step i of a call, but for the forces of bodies, which are known in the step.
+    // Record heights at the start of step i of a call. Forces of collectors follow within the step.
     void record(I64 i) {
         now = i;
         if (i >= m.counts[SAMPLES]) return;
@@ -135,11 +135,11 @@ struct Motion {
     // as if nothing acted on it.
     void kick_few(double kick) {
         for (I64 i = 0; i < w.kicks[0]; i++) kick_node(kick, w.kicked[i]);
-        for (I64 k = 0; k < m.collectors; k++) kick_shared(kick, m.collector_run[k], w.collector_first[k], SHARED);
+        for (I64 k = 0; k < m.collectors; k++) kick_shared(kick, m.collector_run[k], w.collector_first[k]);
     }
-    void kick_shared(double kick, I64 run, I64 node, I64 count) {
+    void kick_shared(double kick, I64 run, I64 node) {
         const I64 first = s.run_first[run], last = first + s.run_links[run];
-        for (I64 end = node + count; !w.run_pulled[run] && node < end; node++)
+        for (I64 end = node + SHARED; !w.run_pulled[run] && node < end; node++)
             if (node > first && node < last) kick_node(kick, node);
     }
     void kick_node(double kick, I64 node) {

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
 
 import hermite
+from core_overhead import RANGES
 from ropewalk.model.pantograph import Pantograph
 from ropewalk.overhead.pantograph_loads import moving_load_of, push_of
 from ropewalk.overhead.section import section_of
@@ -28,18 +29,6 @@ Array = NDArray[np.float64]
 EXAMPLES = Path(__file__).parents[2] / "examples"
 FIRST, LAST = 240.0, 360.0  # m, spans 5 and 6
 AT_THEIR_SUPPORTS = slice(3, 6)
-RANGES = {
-    "mean": {250: (110, 120), 300: (110, 120)},
-    "sigma": {250: (26, 31), 300: (32, 40)},
-    "mean + 3 sigma": {250: (190, 210), 300: (210, 230)},
-    "mean - 3 sigma": {250: (20, 40), 300: (-5, 20)},
-    "maximum": {250: (175, 210), 300: (190, 225)},
-    "minimum": {250: (50, 75), 300: (30, 55)},
-    "uplift": {250: (48, 55), 300: (55, 65)},  # mm
-    "loss": {250: (0, 0), 300: (0, 0)},
-}
-"""N, unless said otherwise."""
-
 HALF = ("overhead_lines.line.element=0.5 m",)
 FINE = ("overhead_lines.line.element=0.125 m", "run.step=0.5 ms", "run.sample=0.5 ms")
 LARGE = (*HALF, "run.geometry=nonlinear", "run.axial_inertia=1")
